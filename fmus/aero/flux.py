@@ -1,0 +1,280 @@
+"""Residual of the 2-D Euler equations on a rigidly moving O-mesh: MUSCL reconstruction and Roe's flux.
+
+Everything is in chords, freestream density and freestream sound speed, in body axes; velocities are absolute (inertial frame).
+Conserved variables q have shape (nj, 4, ni): rho, rho u, rho v, rho E.
+
+Reconstruction: kappa = 1/3 differences of (rho, u, v, p) in index space (van Leer 1979), limited by van Albada's function only
+where a pressure sensor sees a shock. Flux: Roe (1981, doi:10.1016/0021-9991(81)90128-5) on face averages with Harten's entropy
+floor. Behind the wall: the mirror state of wall.py, through it only pressure acts. Behind the outer boundary: a given state.
+
+Rows of the mesh are worked through in tiles of a fixed width copied to one scratch array: with offsets known to the compiler
+every loop becomes SIMD code, and the tile stays in the first-level cache.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._numba import inline, jit
+
+GAMMA = 1.4
+
+KAPPA = 1.0 / 3.0
+SENSOR = 0.03
+"""Relative second difference of pressure at which the limiter takes over."""
+ALBADA = 1e-6
+ENTROPY = 0.05
+"""Smallest wave speed in Roe's dissipation, in sound speeds."""
+
+TILE = 56
+_W = TILE + 8
+# slots of the scratch array, four variables each
+_PREV, _CUR, _NEXT = 0 * _W, 4 * _W, 8 * _W
+_RIGHT, _LEFT = 12 * _W, 16 * _W
+_TOPB, _TOP, _BOTTOM = 20 * _W, 24 * _W, 28 * _W
+_FI, _FJ, _ACC = 32 * _W, 36 * _W, 40 * _W
+_SIZE = 44 * _W
+
+
+@inline
+def limiter(below: float, centre: float, above: float) -> float:
+    """Share of van Albada's limiter (0 to 1) from three pressures."""
+    v = abs(below - 2.0 * centre + above) / ((below + 2.0 * centre + above) * SENSOR)
+    v2 = v * v
+    v4 = v2 * v2
+    return v4 / (1.0 + v4)
+
+
+@inline
+def half_slopes(a: float, b: float, sigma: float) -> tuple[float, float]:
+    """Half differences towards the faces behind and ahead, from backward (a) and forward (b) differences."""
+    albada = max(0.0, (2.0 * a * b + ALBADA) / (a * a + b * b + ALBADA))
+    limit = 1.0 - sigma * (1.0 - albada)
+    k = KAPPA * limit
+    quarter = 0.25 * limit
+    return quarter * ((1.0 + k) * a + (1.0 - k) * b), quarter * ((1.0 - k) * a + (1.0 + k) * b)
+
+
+@inline
+def clip(slope: float, value: float) -> float:
+    """Half slope of a positive quantity, at most half its value."""
+    return min(max(slope, -0.5 * value), 0.5 * value)
+
+
+@inline
+def roe(
+    nx: float, ny: float, vn: float,
+    rl: float, ul: float, vl: float, pl: float,
+    rr: float, ur: float, vr: float, pr: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Roe's flux a unit length through a face with unit normal (nx, ny) moving at vn along it; states left and right."""
+    g1 = GAMMA - 1.0
+    el = pl / g1 + 0.5 * rl * (ul * ul + vl * vl)
+    er = pr / g1 + 0.5 * rr * (ur * ur + vr * vr)
+    unl = ul * nx + vl * ny
+    unr = ur * nx + vr * ny
+    # face averages
+    r = 0.5 * (rl + rr)
+    u = 0.5 * (ul + ur)
+    v = 0.5 * (vl + vr)
+    p = 0.5 * (pl + pr)
+    un = 0.5 * (unl + unr)
+    c2 = GAMMA * p / r
+    c = np.sqrt(c2)
+    h = c2 / g1 + 0.5 * (u * u + v * v)
+    w = un - vn
+    floor = ENTROPY * c
+    l0, lp, lm = abs(w), abs(w + c), abs(w - c)
+    half = 0.5 / floor
+    l0 = l0 if l0 > floor else (l0 * l0 + floor * floor) * half
+    lp = lp if lp > floor else (lp * lp + floor * floor) * half
+    lm = lm if lm > floor else (lm * lm + floor * floor) * half
+    dp = pr - pl
+    dun = unr - unl
+    mean = 0.5 * (lp + lm) - l0
+    skew = 0.5 * (lp - lm)
+    d1 = (mean * dp + skew * r * c * dun) / c2
+    d2 = mean * r * dun + skew * dp / c
+    wl = unl - vn
+    wr = unr - vn
+    ml = rl * wl
+    mr = rr * wr
+    return (
+        0.5 * (ml + mr - l0 * (rr - rl) - d1),
+        0.5 * (ml * ul + mr * ur - l0 * (rr * ur - rl * ul) - d1 * u - d2 * nx) + p * nx,
+        0.5 * (ml * vl + mr * vr - l0 * (rr * vr - rl * vl) - d1 * v - d2 * ny) + p * ny,
+        0.5 * (wl * el + wr * er + unl * pl + unr * pr - l0 * (er - el) - d1 * h - d2 * un),
+    )
+
+
+@inline
+def _load(q: Any, ni: int, row: int, i0: int, s: Any) -> None:
+    """Primitive variables of one mesh row's tile, two neighbours each side, into the NEXT slot."""
+    base = row * 4 * ni
+    q0 = q[base + i0 : base + i0 + TILE]
+    q1 = q[base + ni + i0 : base + ni + i0 + TILE]
+    q2 = q[base + 2 * ni + i0 : base + 2 * ni + i0 + TILE]
+    q3 = q[base + 3 * ni + i0 : base + 3 * ni + i0 + TILE]
+    for k in range(TILE):
+        r = q0[k]
+        u = q1[k] / r
+        v = q2[k] / r
+        s[_NEXT + 2 + k] = r
+        s[_NEXT + _W + 2 + k] = u
+        s[_NEXT + 2 * _W + 2 + k] = v
+        s[_NEXT + 3 * _W + 2 + k] = (GAMMA - 1.0) * (q3[k] - 0.5 * r * (u * u + v * v))
+    for n in range(4):
+        k = n if n < 2 else TILE + n
+        i = (i0 + k - 2 + ni) % ni
+        r = q[base + i]
+        u = q[base + ni + i] / r
+        v = q[base + 2 * ni + i] / r
+        s[_NEXT + k] = r
+        s[_NEXT + _W + k] = u
+        s[_NEXT + 2 * _W + k] = v
+        s[_NEXT + 3 * _W + k] = (GAMMA - 1.0) * (q[base + 3 * ni + i] - 0.5 * r * (u * u + v * v))
+
+
+@inline
+def _reconstruct_i(s: Any) -> None:
+    """States of cells −1 … TILE at their faces behind (LEFT) and ahead (RIGHT) along i."""
+    for k in range(TILE + 2):
+        sigma = limiter(s[_CUR + 3 * _W + k], s[_CUR + 3 * _W + k + 1], s[_CUR + 3 * _W + k + 2])
+        for m in range(4):
+            value = s[_CUR + m * _W + k + 1]
+            behind, ahead = half_slopes(value - s[_CUR + m * _W + k], s[_CUR + m * _W + k + 2] - value, sigma)
+            if m == 0 or m == 3:
+                behind, ahead = clip(behind, value), clip(ahead, value)
+            s[_LEFT + m * _W + k + 1] = value - behind
+            s[_RIGHT + m * _W + k + 1] = value + ahead
+
+
+@inline
+def _reconstruct_j(s: Any) -> None:
+    """States of cells 0 … TILE−1 at their faces below (BOTTOM) and above (TOP) along j."""
+    for k in range(2, TILE + 2):
+        sigma = limiter(s[_PREV + 3 * _W + k], s[_CUR + 3 * _W + k], s[_NEXT + 3 * _W + k])
+        for m in range(4):
+            value = s[_CUR + m * _W + k]
+            behind, ahead = half_slopes(value - s[_PREV + m * _W + k], s[_NEXT + m * _W + k] - value, sigma)
+            if m == 0 or m == 3:
+                behind, ahead = clip(behind, value), clip(ahead, value)
+            s[_BOTTOM + m * _W + k] = value - behind
+            s[_TOP + m * _W + k] = value + ahead
+
+
+@inline
+def _flux_j(ring: Any, ni: int, row: int, i0: int, motion: Any, s: Any, left: int, right: int) -> None:
+    """Roe flux times length through TILE faces of a ring, from the states in slots left and right, into FJ."""
+    base = row * 4 * ni + i0
+    nx = ring[base : base + TILE]
+    ny = ring[base + ni : base + ni + TILE]
+    length = ring[base + 2 * ni : base + 2 * ni + TILE]
+    arm = ring[base + 3 * ni : base + 3 * ni + TILE]
+    vx, vy, rate = motion[0], motion[1], motion[2]
+    for k in range(TILE):
+        a, b, c, d = roe(
+            nx[k], ny[k], vx * nx[k] + vy * ny[k] - rate * arm[k],
+            s[left + 2 + k], s[left + _W + 2 + k], s[left + 2 * _W + 2 + k], s[left + 3 * _W + 2 + k],
+            s[right + 2 + k], s[right + _W + 2 + k], s[right + 2 * _W + 2 + k], s[right + 3 * _W + 2 + k],
+        )  # fmt: skip
+        s[_FJ + k] = a * length[k]
+        s[_FJ + _W + k] = b * length[k]
+        s[_FJ + 2 * _W + k] = c * length[k]
+        s[_FJ + 3 * _W + k] = d * length[k]
+
+
+@inline
+def _flux_i(side: Any, ni: int, row: int, i0: int, motion: Any, s: Any) -> None:
+    """Roe flux times length through the TILE + 1 faces between cells of a row, into FI."""
+    base = row * 4 * ni + i0
+    nx = side[base : base + TILE]
+    ny = side[base + ni : base + ni + TILE]
+    length = side[base + 2 * ni : base + 2 * ni + TILE]
+    arm = side[base + 3 * ni : base + 3 * ni + TILE]
+    vx, vy, rate = motion[0], motion[1], motion[2]
+    for k in range(TILE):
+        a, b, c, d = roe(
+            nx[k], ny[k], vx * nx[k] + vy * ny[k] - rate * arm[k],
+            s[_RIGHT + 1 + k], s[_RIGHT + _W + 1 + k], s[_RIGHT + 2 * _W + 1 + k], s[_RIGHT + 3 * _W + 1 + k],
+            s[_LEFT + 2 + k], s[_LEFT + _W + 2 + k], s[_LEFT + 2 * _W + 2 + k], s[_LEFT + 3 * _W + 2 + k],
+        )  # fmt: skip
+        s[_FI + k] = a * length[k]
+        s[_FI + _W + k] = b * length[k]
+        s[_FI + 2 * _W + k] = c * length[k]
+        s[_FI + 3 * _W + k] = d * length[k]
+    i = row * 4 * ni + (i0 + TILE) % ni
+    k = TILE
+    x, y, size = side[i], side[i + ni], side[i + 2 * ni]
+    a, b, c, d = roe(
+        x, y, vx * x + vy * y - rate * side[i + 3 * ni],
+        s[_RIGHT + 1 + k], s[_RIGHT + _W + 1 + k], s[_RIGHT + 2 * _W + 1 + k], s[_RIGHT + 3 * _W + 1 + k],
+        s[_LEFT + 2 + k], s[_LEFT + _W + 2 + k], s[_LEFT + 2 * _W + 2 + k], s[_LEFT + 3 * _W + 2 + k],
+    )  # fmt: skip
+    s[_FI + k] = a * size
+    s[_FI + _W + k] = b * size
+    s[_FI + 2 * _W + k] = c * size
+    s[_FI + 3 * _W + k] = d * size
+
+
+@jit
+def residual(
+    q: Any, out: Any, side: Any, ring: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int
+) -> None:  # fmt: skip
+    """Net outward flux of every cell.
+
+    q, out: (nj·4·ni,) flat; side: (nj·4·ni,), ring: ((nj+1)·4·ni,) flat metrics of the mesh; ghost: (4·ni,) primitive state
+    behind the wall; pressure: (ni,) at the wall; far: (4·ni,) primitive state behind the outer faces; motion: (3,) mesh
+    velocity x, y at the origin of the moment arms and angular rate, nose-up.
+    """
+    s = np.empty(_SIZE)
+    vx, vy, rate = motion[0], motion[1], motion[2]
+    tiles = (ni + TILE - 1) // TILE
+    for tile in range(tiles):
+        i0 = min(tile * TILE, ni - TILE)
+        # wall: mirror row into PREV, pressure flux into FJ
+        _load(q, ni, 0, i0, s)
+        for m in range(4):
+            for k in range(TILE):
+                s[_PREV + m * _W + 2 + k] = ghost[m * ni + i0 + k]
+        for k in range(TILE):
+            i = i0 + k
+            nx, ny, length, arm = ring[i], ring[ni + i], ring[2 * ni + i], ring[3 * ni + i]
+            push = pressure[i] * length
+            s[_FJ + k] = 0.0
+            s[_FJ + _W + k] = push * nx
+            s[_FJ + 2 * _W + k] = push * ny
+            s[_FJ + 3 * _W + k] = push * (vx * nx + vy * ny - rate * arm)
+        for k in range(4 * _W):
+            s[_CUR + k] = s[_NEXT + k]
+        for j in range(nj):
+            if j + 1 < nj:
+                _load(q, ni, j + 1, i0, s)
+            else:
+                for m in range(4):
+                    for k in range(TILE):
+                        s[_NEXT + m * _W + 2 + k] = far[m * ni + i0 + k]
+            _reconstruct_i(s)
+            _reconstruct_j(s)
+            _flux_i(side, ni, j, i0, motion, s)
+            if j > 0:
+                _flux_j(ring, ni, j, i0, motion, s, _TOPB, _BOTTOM)
+                for m in range(4):
+                    row = out[((j - 1) * 4 + m) * ni + i0 : ((j - 1) * 4 + m) * ni + i0 + TILE]
+                    for k in range(TILE):
+                        row[k] = s[_ACC + m * _W + k] + s[_FJ + m * _W + k]
+            for m in range(4):
+                for k in range(TILE):
+                    s[_ACC + m * _W + k] = s[_FI + m * _W + k + 1] - s[_FI + m * _W + k] - s[_FJ + m * _W + k]
+            for k in range(4 * _W):
+                s[_TOPB + k] = s[_TOP + k]
+            for k in range(4 * _W):
+                s[_PREV + k] = s[_CUR + k]
+            for k in range(4 * _W):
+                s[_CUR + k] = s[_NEXT + k]
+        _flux_j(ring, ni, nj, i0, motion, s, _TOPB, _CUR)
+        for m in range(4):
+            row = out[((nj - 1) * 4 + m) * ni + i0 : ((nj - 1) * 4 + m) * ni + i0 + TILE]
+            for k in range(TILE):
+                row[k] = s[_ACC + m * _W + k] + s[_FJ + m * _W + k]
