@@ -69,8 +69,8 @@ def naca4(code: str) -> Array:
 def naca6a(code: str) -> Array:
     """NACA 6A section, e.g. 64A010: family 63A/64A/65A, design lift in tenths, thickness in percent.
 
-    Thickness form by scaling Theodorsen's epsilon and psi until the thickness fits; straight sides from x = 0.82, closed to a
-    sharp trailing edge; mean line a = 0.8 (modified). Ladson and Brooks, NASA TM X-3069 (1974); NASA TM 4741 (1996).
+    Thickness form by scaling Theodorsen's epsilon and psi until the thickness fits; straight sides from x = 0.82 to a sharp
+    trailing edge, as there; mean line a = 0.8 (modified). Ladson and Brooks, NASA TM X-3069 (1974); NASA TM 4741 (1996).
     """
     family, lift, t = code[:3], int(code[3]) / 10, int(code[4:]) / 100
     if not 0.03 <= t <= 0.21:
@@ -165,13 +165,9 @@ def _thickness_6a(family: str, t: float, x: Array) -> Array:
     # in sqrt(x) the round nose is a straight line, so that a spline holds there
     spline = CubicSpline(np.sqrt(station), half)
     joint = 0.82
-    slope = (spline(np.sqrt(joint)) - spline(np.sqrt(joint - 1e-4))) / 1e-4
-    straight = spline(np.sqrt(joint)) + slope * (x - joint)
-    result = np.where(x < joint, spline(np.sqrt(x)), straight)
-    # the published straight sides end 0.0002 chords apart: a wedge over the whole chord closes them without a kink
-    result = result - result[-1] * x
+    result = np.where(x < joint, spline(np.sqrt(x)), spline(np.sqrt(joint)) * (1 - x) / (1 - joint))
     result[0] = result[-1] = 0.0
-    return np.asarray(result * (0.5 * t / result.max()), dtype=float)
+    return np.asarray(result, dtype=float)
 
 
 def _mean_line_08_modified(x: Array, lift: float) -> tuple[Array, Array]:

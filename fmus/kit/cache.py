@@ -1,0 +1,153 @@
+"""Kernels compiled once for all copies of the same sources: a content-addressed numba cache.
+
+    from ..kit.cache import jit
+
+    @jit
+    def flux(...): ...
+
+numba keeps compiled code beside the source file or under a hash of its path, so an FMU that a tool unzips to
+a new folder compiles again each time. Here the folder is `<user cache>/aeroslosh/<hash of the sources>/` and
+the module takes a name made of that hash (numba stores the name of the module with the code): any unzip
+folder, any version of the FMU with the same kernels and the source tree share one compilation.
+
+Rules for kernel modules: module level only, all globals constant, no data but what lies in the component's
+folder. This leans on private parts of numba (written against 0.68); where they have changed, or the folder
+cannot be written, numba's ordinary cache is used. Processes may race: files are replaced atomically and data
+files have names of their own, so at worst a function is compiled twice.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import os
+import sys
+import uuid
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+from . import sources
+
+ROOT = Path(__file__).resolve().parents[1]  # the package root: fmus/, or resources/<component>_<hash>/
+DEFAULTS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+
+
+def jit(function: Callable[..., Any] | None = None, /, **options: Any) -> Any:
+    """Compile `function` in nopython mode with the content-addressed cache.
+
+    `options` go to `numba.njit` (`fastmath`, `parallel`, `inline`, ...); the defaults are
+    `error_model="numpy"` (no check for division by zero) and `nogil=True`. Use as `@jit` or
+    `@jit(fastmath=True)`.
+    """
+    if function is None:
+        return functools.partial(jit, **options)
+    settings = {**DEFAULTS, **options}
+    try:
+        cache = _cache_class()(function)
+    except Exception:  # another numba, a folder that cannot be written, a file from elsewhere
+        return numba.njit(cache=True, **settings)(function)
+    _name_by_content(function)
+    dispatcher = numba.njit(**settings)(function)
+    dispatcher._cache = cache
+    return dispatcher
+
+
+def cache_root() -> Path:
+    """Return the folder of this project in the user's cache."""
+    if os.name == "nt":
+        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "aeroslosh"
+
+
+@functools.cache
+def _folder_hash(folder: str) -> str:
+    return sources.kernel_hash(ROOT / folder, ROOT)
+
+
+def _place(file: str) -> tuple[str, str]:
+    """Return the hash of the sources that `file` belongs to and its path below the package root.
+
+    Raises:
+        ValueError: the file is not in this package.
+    """
+    inside = Path(file).resolve().relative_to(ROOT)
+    return _folder_hash(inside.parts[0]), inside.with_suffix("").as_posix()
+
+
+def _name_by_content(function: Callable[..., Any]) -> None:
+    """Give the module of `function` a name made of its content, under which numba finds it again.
+
+    numba writes the name of the function's module into the cached code and imports it when it reads it back.
+    """
+    values = getattr(function, "__globals__", {})
+    if values.get("__name__") == "__main__":
+        return
+    digest, place = _place(inspect.getfile(function))
+    name = f"aeroslosh_{digest}.{place.replace('/', '.')}"
+    module = sys.modules.get(values["__name__"])
+    if module is not None:
+        sys.modules.setdefault(name, module)
+        values["__name__"] = name
+    function.__module__ = name
+
+
+@functools.cache
+def _cache_class() -> type:
+    """Return numba's cache of functions, in our folder."""
+    from numba.core import caching
+
+    class ContentLocator(caching._CacheLocator):
+        """Cache folder by content, for files of this package only."""
+
+        def __init__(self, py_func: Any, py_file: str) -> None:
+            self._py_file = py_file
+            self._lineno = py_func.__code__.co_firstlineno
+            self._digest, self._name = _place(py_file)
+
+        def get_cache_path(self) -> str:
+            """Return the folder."""
+            return str(cache_root() / self._digest)
+
+        def get_source_stamp(self) -> str:
+            """Return what tells fresh from stale: the content."""
+            return self._digest
+
+        def get_disambiguator(self) -> str:
+            """Tell functions of one name apart."""
+            return f"{self._lineno}-{hashlib.sha256(self._name.encode()).hexdigest()[:8]}"
+
+        @classmethod
+        def from_function(cls, py_func: Any, py_file: str) -> ContentLocator | None:
+            """Return a locator, or None where the file is not ours or the folder cannot be written."""
+            try:
+                locator = cls(py_func, py_file)
+                locator.ensure_cache_path()
+            except (OSError, ValueError):
+                return None
+            return locator
+
+    class ContentCacheImpl(caching.CompileResultCacheImpl):
+        """numba's own, with our locator alone: raises where that cannot be used."""
+
+    ContentCacheImpl._locator_classes = [ContentLocator]
+
+    class ContentCache(caching.FunctionCache):
+        """numba's own, with data files that no two processes share."""
+
+        _impl_class = ContentCacheImpl
+
+        def __init__(self, py_func: Any) -> None:
+            super().__init__(py_func)
+            # numba counts data files in an index that it rewrites without a lock: two processes could give
+            # one number to two signatures. A name of its own makes the loser of the race compile again
+            # instead.
+            base = self._impl.filename_base
+            self._cache_file._data_name_pattern = f"{base}.{{number:d}}-{uuid.uuid4().hex[:8]}.nbc"
+
+    return ContentCache

@@ -1,0 +1,83 @@
+"""How an FMU fails: no exception leaves a callback, the first cause is kept, the host can read it.
+
+pythonfmu 0.7 releases an instance twice when a callback raises (the process then ends with signal 11), and of
+all callbacks only `fmi2DoStep` can return a status other than OK. See `slave` for what a host sees instead.
+"""
+
+from __future__ import annotations
+
+import functools
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from pythonfmu.enums import Fmi2Status
+
+from .variables import output
+
+FAILURE_OUTPUTS = (
+    output("failed", "", "True once this instance has failed; its Real outputs are then NaN", type=bool),
+    output("error", "", "What failed and the remedy, in one line; empty while all is well", type=str),
+)
+
+
+class StepError(RuntimeError):
+    """A step or a start that cannot be done; the text says what and the remedy. For components to raise."""
+
+
+def guarded(fallback: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Let no exception out of a callback: note the failure and return `fallback` of its arguments."""
+
+    def decorate(method: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(method)
+        def callback(self: Failing, *args: Any) -> Any:
+            try:
+                return method(self, *args)
+            except BaseException as exception:  # SystemExit would end the host's process just the same
+                self.fail(method.__name__, exception)
+                return fallback(*args)
+
+        return callback
+
+    return decorate
+
+
+quiet = guarded(lambda *_: None)
+
+
+class Failing:
+    """What an instance remembers of its failure."""
+
+    _failure = ""  # the first cause; lasts until a good state is restored
+    _refused: dict[str, str]  # by variable, why its last value was refused; gone once a valid one is set
+
+    def __init__(self, **kwargs: Any) -> None:
+        self._refused = {}
+        super().__init__(**kwargs)
+
+    @property
+    def message(self) -> str:
+        """Why this instance cannot go on, in one line; "" while all is well."""
+        why = self._failure or " ".join(self._refused.values())
+        return f"{self.instance_name}: {why}" if why else ""  # type: ignore[attr-defined]
+
+    def fail(self, where: str, exception: BaseException) -> None:
+        """Note `exception` of callback `where`, with its traceback in the FMI log."""
+        try:
+            text = str(exception) or type(exception).__name__
+            kind = "" if isinstance(exception, StepError) else f"{type(exception).__name__}: "
+            what = " ".join(f"{kind}{text}".split())
+            self._failure = self._failure or what
+            self.report(f"{where} at t = {self.time!r} s: {what}\n{traceback.format_exc()}")  # type: ignore[attr-defined]
+        except BaseException:  # a message must not end the process either
+            self._failure = self._failure or "failed, and the message could not be made"
+
+    def refuse(self, name: str, problem: str) -> None:
+        """Note that a value for variable `name` is not applied."""
+        self._refused[name] = problem
+        self.report(problem)
+
+    def report(self, text: str) -> None:
+        """Send `text` to the FMI log with status error."""
+        # hosts print FMI log texts through printf
+        self.log(f"{self.instance_name}: {text}".replace("%", "%%"), Fmi2Status.error)  # type: ignore[attr-defined]

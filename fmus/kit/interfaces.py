@@ -1,0 +1,154 @@
+"""The named interfaces: every FMU of the project spells these variables, units and descriptions the same.
+
+Section motion goes from the structure to the fluids, loads come back (docs/design.md). X aft, Y up, `h`
+positive down, `alpha` nose-up, loads about the elastic axis (EA) per metre of span.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .variables import Variable, input_, output, parameter
+
+# name: (unit, quantity, description)
+MOTION = {
+    "h": ("m", "Length", "Plunge of the elastic axis, positive down"),
+    "h_dot": ("m/s", "Velocity", "Plunge rate, positive down"),
+    "h_ddot": ("m/s2", "Acceleration", "Plunge acceleration, positive down"),
+    "alpha": ("rad", "Angle", "Pitch angle, positive nose-up"),
+    "alpha_dot": ("rad/s", "AngularVelocity", "Pitch rate, positive nose-up"),
+    "alpha_ddot": ("rad/s2", "AngularAcceleration", "Pitch acceleration, positive nose-up"),
+}
+SURGE = {
+    "x": ("m", "Length", "Surge of the elastic axis, positive aft (0 in flutter)"),
+    "x_dot": ("m/s", "Velocity", "Surge rate, positive aft"),
+    "x_ddot": ("m/s2", "Acceleration", "Surge acceleration, positive aft"),
+}
+AERO = {
+    "lift": ("N/m", "ForcePerLength", "Lift per metre of span, positive up"),
+    "moment": (
+        "N",
+        "MomentPerLength",
+        "Aerodynamic moment about the elastic axis per metre of span, positive nose-up",
+    ),
+    "C_L": ("1", "LiftCoefficient", "Lift coefficient, lift / (q c)"),
+    "C_M": (
+        "1",
+        "MomentCoefficient",
+        "Moment coefficient about the elastic axis, moment / (q c^2), positive nose-up",
+    ),
+    "C_D": ("1", "DragCoefficient", "Drag coefficient, drag / (q c)"),
+}
+_WHOLE = "of liquid and gas on the tank, inertial axes, weight included"
+_RESIDUAL = "less that of the same liquid frozen (inertia and weight)"
+SLOSH = {
+    "force_x": ("N/m", "ForcePerLength", f"Force {_WHOLE}, positive aft"),
+    "force_y": ("N/m", "ForcePerLength", f"Force {_WHOLE}, positive up"),
+    "moment": ("N", "MomentPerLength", f"Moment about the elastic axis {_WHOLE}, positive nose-up"),
+    "force_x_residual": ("N/m", "ForcePerLength", f"force_x {_RESIDUAL}"),
+    "force_y_residual": ("N/m", "ForcePerLength", f"force_y {_RESIDUAL}"),
+    "moment_residual": ("N", "MomentPerLength", f"moment {_RESIDUAL}"),
+}
+SLOSH_CONSTANT = {
+    "static_force_y": ("N/m", "ForcePerLength", "force_y at rest"),
+    "static_moment": ("N", "MomentPerLength", "moment at rest"),
+    "liquid_mass": ("kg/m", "MassPerLength", "Mass of the liquid per metre of span"),
+    "liquid_static_moment": (
+        "kg",
+        "StaticMomentPerLength",
+        "Static moment of the frozen liquid about the elastic axis",
+    ),
+    "liquid_inertia": (
+        "kg.m",
+        "InertiaPerLength",
+        "Moment of inertia of the frozen liquid about the elastic axis",
+    ),
+    "liquid_stiffness": ("N/rad", "PitchStiffnessPerLength", "Pitch stiffness of the frozen liquid's weight"),
+}
+WING_LOADS = {
+    "lift": AERO["lift"],
+    "moment": AERO["moment"],
+    "slosh_force_y": ("N/m", "ForcePerLength", "Slosh force on the section, positive up"),
+    "slosh_moment": ("N", "MomentPerLength", "Slosh moment about the elastic axis, positive nose-up"),
+}
+_END = ", at the end of the communication step"
+
+
+def motion_inputs() -> tuple[Variable, ...]:
+    """Return section motion h … alpha_ddot as inputs (aero, slosh)."""
+    return _inputs(MOTION)
+
+
+def surge_inputs() -> tuple[Variable, ...]:
+    """Return surge x, x_dot, x_ddot as inputs (slosh)."""
+    return _inputs(SURGE)
+
+
+def wing_load_inputs() -> tuple[Variable, ...]:
+    """Return lift, moment, slosh_force_y, slosh_moment as inputs (structure)."""
+    return _inputs(WING_LOADS)
+
+
+def frozen_liquid_parameters() -> tuple[Variable, ...]:
+    """Return liquid_mass … liquid_stiffness as parameters (structure), 0 for no liquid carried frozen."""
+    return tuple(
+        parameter(
+            n,
+            0.0,
+            unit,
+            f"{text}; 0 = none",
+            quantity=quantity,
+            min=0.0 if n in ("liquid_mass", "liquid_inertia") else None,
+        )
+        for n, (unit, quantity, text) in SLOSH_CONSTANT.items()
+        if n.startswith("liquid_")
+    )
+
+
+def motion_outputs(
+    depends: Iterable[str] = (), acceleration_initially: Iterable[str] = ()
+) -> tuple[Variable, ...]:
+    """Return section motion as outputs (structure); initial accelerations depend on
+    `acceleration_initially`.
+    """
+    return tuple(
+        output(
+            name,
+            unit,
+            text,
+            quantity=quantity,
+            depends=depends,
+            depends_initially=acceleration_initially if name.endswith("_ddot") else None,
+        )
+        for name, (unit, quantity, text) in MOTION.items()
+    )
+
+
+def aero_outputs(
+    depends: Iterable[str] = tuple(MOTION),
+    depends_initially: Iterable[str] = ("h", "h_dot", "alpha", "alpha_dot"),
+) -> tuple[Variable, ...]:
+    """Return the aerodynamic loads lift, moment, C_L, C_M, C_D as outputs, functions of the end-of-step
+    motion.
+    """
+    return _outputs(AERO, depends, depends_initially)
+
+
+def slosh_outputs(depends: Iterable[str] = (*MOTION, *SURGE)) -> tuple[Variable, ...]:
+    """Return the slosh loads, whole and residual, and the constants of the frozen liquid, as outputs."""
+    return _outputs(SLOSH, depends, None) + _outputs(SLOSH_CONSTANT, (), None)
+
+
+def _inputs(table: dict[str, tuple[str, str, str]]) -> tuple[Variable, ...]:
+    return tuple(
+        input_(n, 0.0, unit, text + _END, quantity=quantity) for n, (unit, quantity, text) in table.items()
+    )
+
+
+def _outputs(
+    table: dict[str, tuple[str, str, str]], depends: Iterable[str], initially: Iterable[str] | None
+) -> tuple[Variable, ...]:
+    return tuple(
+        output(n, unit, text, quantity=quantity, depends=depends, depends_initially=initially)
+        for n, (unit, quantity, text) in table.items()
+    )

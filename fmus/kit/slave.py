@@ -1,0 +1,341 @@
+"""The base class of every FMU: declared variables, guarded callbacks, one way to fail, exact state.
+
+A face subclasses `Slave`, lists its `variables` and writes a few short methods:
+
+    class Structure(Slave):
+        '''One line that becomes the description of the model.'''
+        variables = (parameter("mass", 57.73, "kg/m", "Mass per span", min=1e-9), *wing_load_inputs(), ...)
+
+        def prepare(self): ...                 # from parameters only: mesh, matrices (optional)
+        def initialize(self): ...              # from parameters and inputs, set the outputs at the start time
+        def step(self, time, step_size): ...   # inputs are values at time + step_size; set the outputs there
+        def save(self): return {"y": self.y}   # by reference: never modify these arrays in place
+        def restore(self, snapshot): self.y = snapshot["y"]
+
+Failure. pythonfmu releases an instance twice when a callback raises (the process ends), and only `fmi2DoStep`
+can return a status other than OK. So no exception leaves a callback: the traceback goes to the FMI log
+(status error), the Boolean output `failed` becomes true, the String output `error` holds the message in one
+line, Real outputs become NaN and every later `fmi2DoStep` returns fmi2Discard with the same message. A host
+that wants to know at once reads `failed` after leaving initialisation and after restoring a state from bytes.
+A refused value (not finite, outside its range, a fixed parameter after the start) is not applied and fails
+the same way until a valid value is set; any other failure lasts until a good state is restored or the
+instance is reset.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from pathlib import Path
+from typing import Any, ClassVar
+from xml.etree.ElementTree import Element
+
+from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Integer, Real, String
+
+from . import xml
+from .failure import FAILURE_OUTPUTS, Failing, StepError, guarded, quiet
+from .state import State, check
+from .variables import UNSET, Value, Variable
+
+CREATED, INITIALIZING, RUNNING, TERMINATED = "created", "initializing", "running", "terminated"
+_REGISTER = {"Real": Real, "Integer": Integer, "Boolean": Boolean, "String": String}
+
+
+class Slave(Failing, Fmi2Slave):
+    """Guarded co-simulation slave; see the module's text. Subclasses define no `__init__`."""
+
+    variables: ClassVar[tuple[Variable, ...]] = ()
+    version: ClassVar[str] = "0"  # the build sets these two
+    content_hash: ClassVar[str] = ""  # "" where the face runs from the source tree
+    stop_time: ClassVar[float] = 1.0  # default experiment [s]
+    step_size: ClassVar[float] = 1e-3  # default experiment [s]
+
+    # -- what a component writes --
+
+    def prepare(self) -> None:
+        """Build what depends on parameters alone (mesh, matrices).
+
+        Called before `initialize`, and before `restore` where the instance was not prepared for the restored
+        parameters (a restart in a new process); not again while the parameters stay the same.
+        """
+
+    def initialize(self) -> None:
+        """Set up the run from parameters and inputs at `self.time`. May be called again before the first
+        step.
+        """
+
+    def step(self, time: float, step_size: float) -> None:
+        """Advance from `time` by `step_size` [s]; inputs are values at the end of the step."""
+        raise NotImplementedError
+
+    def save(self) -> dict[str, Any]:
+        """Return, by reference, every array and scalar the next step reads and no variable holds."""
+        return {}
+
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        """Take back what `save` returned; the arrays must stay unmodified."""
+
+    def finish(self) -> None:
+        """Release what the run holds (called at terminate)."""
+
+    # -- set-up --
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        names = [variable.name for variable in (*cls.variables, *FAILURE_OUTPUTS)]
+        if twice := {name for name in names if names.count(name) > 1}:
+            raise TypeError(f"{cls.__name__}: variables declared twice: {', '.join(sorted(twice))}")
+        if taken := {name for name in names if hasattr(Slave, name)}:
+            raise TypeError(f"{cls.__name__}: names taken by the base class: {', '.join(sorted(taken))}")
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.modelName = type(self).__name__
+        self.time = 0.0
+        self.declared: tuple[Variable, ...] = (*self.variables, *FAILURE_OUTPUTS)
+        self._mode = CREATED
+        self._stale = True  # a variable was set since `initialize` ran
+        # fixed parameters, in order
+        self._fixed = {v.name: None for v in self.variables if v.causality == "parameter" and not v.tunable}
+        self._prepared: tuple[Value, ...] | None = None  # the parameters that `prepare` ran for
+        self._references: dict[str, dict[int, Variable]] = {name: {} for name in _REGISTER}
+        for reference, variable in enumerate(self.declared):
+            if variable.name in self.__dict__:
+                raise TypeError(
+                    f"{self.modelName}: variable name '{variable.name}' is taken by the base class"
+                )
+            self._references[variable.type][reference] = variable
+            setattr(self, variable.name, UNSET[variable.type] if variable.start is None else variable.start)
+            self.register_variable(
+                _REGISTER[variable.type](variable.name, causality=Fmi2Causality[variable.causality]),
+                nested=False,
+            )
+
+    @property
+    def folder(self) -> Path:
+        """The component's folder with its data files, in this instance's own resources.
+
+        `__file__` is not good enough: the code of a second instance comes from the first one's unzip folder,
+        which may be gone.
+        """
+        source = Path(inspect.getfile(_face(type(self)))).parent
+        if self.resources:
+            inside = Path(self.resources) / source.parent.name / source.name
+            if inside.is_dir():
+                return inside
+        return source
+
+    def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
+        """Return the model description (see `xml`)."""
+        text = " ".join(inspect.cleandoc(_face(type(self)).__doc__ or "").split("\n\n")[0].split())
+        model = xml.Model(
+            self.modelName, text, type(self).version, self.content_hash, self.stop_time, self.step_size
+        )
+        return xml.describe(model, self.declared, self.log_categories)
+
+    # -- life cycle --
+
+    @quiet
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
+        """Note the start time [s]."""
+        if not math.isfinite(start_time):
+            raise StepError(f"start time {start_time} is not finite. Remedy: give a finite start time")
+        self.time = float(start_time)
+
+    @quiet
+    def enter_initialization_mode(self) -> None:
+        """Allow `initialize` to run, as soon as an output is asked for or initialisation ends."""
+        self._mode, self._stale = INITIALIZING, True
+
+    @quiet
+    def exit_initialization_mode(self) -> None:
+        """Run `initialize` unless it ran for these values already; parameters are fixed from here on."""
+        if self._refused:
+            raise StepError(f"not initialised, a value was refused: {' '.join(self._refused.values())}")
+        self._initialize()
+        self._mode = RUNNING
+
+    def _initialize(self) -> None:
+        if self._stale and not self.message:
+            self._stale = False
+            self._prepare()
+            self.initialize()
+            self._check_outputs()
+
+    @guarded(lambda *_: False)
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance by one communication step [s]; False (fmi2Discard) where the instance has failed."""
+        if self.message:
+            self.report(f"step refused at t = {current_time!r} s: {self.message}")
+            return False
+        if self._mode != RUNNING:
+            raise StepError(f"step asked while {self._mode}. Remedy: leave initialisation mode first")
+        if not (math.isfinite(step_size) and step_size > 0.0):
+            raise StepError(f"step size {step_size} s. Remedy: give a finite step size above 0")
+        if abs(current_time - self.time) > 1e-6 * step_size:
+            raise StepError(
+                f"step asked from t = {current_time!r} s but this instance stands at {self.time!r} s. "
+                "Remedy: restore the state of that time first"
+            )
+        self.step(current_time, step_size)
+        self.time = current_time + step_size
+        self._check_outputs()
+        return True
+
+    def _prepare(self) -> None:
+        values = self.__dict__
+        parameters = tuple(values[name] for name in self._fixed)
+        if parameters != self._prepared:
+            self._prepared = None
+            self.prepare()
+            self._prepared = parameters
+
+    def _check_outputs(self) -> None:
+        values = self.__dict__
+        for variable in self._references["Real"].values():
+            if variable.causality == "output" and not math.isfinite(values[variable.name]):
+                raise StepError(
+                    f"output '{variable.name}' = {values[variable.name]} at t = {self.time!r} s. "
+                    "Remedy: reduce the step size; look at the inputs for a diverged value"
+                )
+
+    @quiet
+    def terminate(self) -> None:
+        """End the run."""
+        self._mode = TERMINATED
+        self.finish()
+
+    # -- variables --
+
+    @quiet
+    def _initialize_for(self, asked: list[Variable]) -> None:
+        """Run `initialize` where an output is asked for during initialisation."""
+        if any(variable.causality == "output" and variable not in FAILURE_OUTPUTS for variable in asked):
+            self._initialize()
+
+    def _get(self, type_: str, vrs: list[int]) -> list[Any]:
+        declared, values = self._references[type_], self.__dict__
+        if self._mode == INITIALIZING and self._stale:
+            self._initialize_for([declared[vr] for vr in vrs])
+        message = self.message
+        result = []
+        for vr in vrs:
+            variable = declared[vr]
+            value = values[variable.name]
+            if message and variable.causality == "output":
+                value = {"failed": True, "error": message}.get(variable.name, UNSET[type_])
+            result.append(value)
+        return result
+
+    @guarded(lambda vrs: [math.nan] * len(vrs))
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Return Reals by value reference; NaN for outputs of a failed instance."""
+        return [float(value) for value in self._get("Real", vrs)]
+
+    @guarded(lambda vrs: [0] * len(vrs))
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Return Integers by value reference."""
+        return [int(value) for value in self._get("Integer", vrs)]
+
+    @guarded(lambda vrs: [False] * len(vrs))
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Return Booleans by value reference."""
+        return [bool(value) for value in self._get("Boolean", vrs)]
+
+    @guarded(lambda vrs: [""] * len(vrs))
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Return Strings by value reference."""
+        return [str(value) for value in self._get("String", vrs)]
+
+    def _set(self, type_: str, vrs: list[int], new: list[Value]) -> None:
+        declared, values = self._references[type_], self.__dict__
+        for vr, value in zip(vrs, new, strict=True):
+            variable = declared[vr]
+            name = variable.name
+            problem = variable.problem(value)
+            if variable.causality == "output":
+                problem = f"output '{name}' cannot be set. Remedy: set parameters and inputs only"
+            elif name in self._fixed and self._mode == RUNNING and value != values[name]:
+                problem = f"parameter '{name}' is fixed. Remedy: set it before initialisation ends"
+            if problem:
+                self.refuse(name, problem)
+            else:
+                values[name] = value
+                self._refused.pop(name, None)
+        self._stale = True
+
+    @quiet
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set Reals by value reference; a value that is refused is not applied (see the module's text)."""
+        self._set("Real", vrs, list(values))
+
+    @quiet
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set Integers and enumerations by value reference."""
+        self._set("Integer", vrs, list(values))
+
+    @quiet
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Set Booleans by value reference."""
+        self._set("Boolean", vrs, [bool(value) for value in values])
+
+    @quiet
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Set Strings by value reference."""
+        self._set("String", vrs, list(values))
+
+    # -- state --
+
+    def _get_fmu_state(self) -> State:
+        try:
+            values = self.__dict__
+            internals = {
+                "time": self.time,
+                "mode": self._mode,
+                "failure": self._failure,
+                "refused": dict(self._refused),
+            }
+            return State(
+                type(self).__name__,
+                self.content_hash,
+                {variable.name: values[variable.name] for variable in self.declared},
+                internals,
+                dict(self.save()) if self._mode == RUNNING and not self._failure else {},
+            )
+        except BaseException as exception:
+            self.fail("get state", exception)
+            return State(type(self).__name__, self.content_hash, problem=self.message)
+
+    @quiet
+    def _set_fmu_state(self, state: State) -> None:
+        if state.problem:
+            raise StepError(f"this state cannot be restored: {state.problem}")
+        check(state.component, state.content_hash, type(self).__name__, self.content_hash)
+        self.__dict__.update(state.values)
+        inner = state.internals
+        self.time, self._mode, self._stale = inner["time"], inner["mode"], True
+        self._failure, self._refused = inner["failure"], dict(inner["refused"])
+        if self._mode == RUNNING and not self._failure:
+            self._prepare()
+            self.restore(state.snapshot)
+
+    @classmethod
+    def _fmu_state_to_bytes(cls, state: State) -> bytes:
+        try:
+            return state.to_bytes()
+        except BaseException as exception:  # written as a state that says so when it is restored
+            return State(cls.__name__, cls.content_hash, problem=f"not serialised: {exception}").to_bytes()
+
+    @classmethod
+    def _fmu_state_from_bytes(cls, data: bytes) -> State:
+        try:
+            return State.from_bytes(bytes(data), cls.__name__, cls.content_hash)
+        except BaseException as exception:
+            return State(cls.__name__, cls.content_hash, problem=str(exception) or type(exception).__name__)
+
+
+def _face(cls: type) -> type:
+    """Return the class that a component wrote, below the leaf that the build generates."""
+    return next(base for base in cls.__mro__ if "variables" in vars(base))

@@ -1,0 +1,354 @@
+"""A case: every setting of a run, typed, with unit, range and description; read from TOML, written back
+resolved.
+
+The tables of the file are the dataclasses below, the keys their fields. Angles are in degrees only where
+the key ends in `_deg`; everything else is SI and radians. A key that does not exist, a wrong type or a
+value out of range is refused with file, line, key and remedy (`AeroSloshError`, exit code 2).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import tomllib
+import types
+import typing
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from master import toml_text
+from master.errors import AeroSloshError
+
+
+def rule(
+    doc: str,
+    unit: str = "1",
+    low: float | None = None,
+    high: float | None = None,
+    above: float | None = None,
+    choices: Sequence[str] = (),
+) -> dict[str, Any]:
+    """What a key allows: `low` <= value <= `high`, value > `above`, `choices` for words."""
+    return {"doc": doc, "unit": unit, "low": low, "high": high, "above": above, "choices": tuple(choices)}
+
+
+def key(default: Any, *words: Any, **limits: Any) -> Any:
+    """A field of a table with its `rule`."""
+    return field(default=default, metadata=rule(*words, **limits))
+
+
+@dataclass
+class Section:
+    """The two-degree-of-freedom section, dimensionless (Isogai case A by default)."""
+
+    chord: float = key(1.0, "chord c = 2b", "m", above=0.0)
+    elastic_axis: float = key(
+        -0.5, "elastic axis x/c, aft of the leading edge positive", low=-10.0, high=10.0
+    )
+    x_alpha: float = key(1.8, "centre of mass aft of the elastic axis / b", low=-20.0, high=20.0)
+    r2_alpha: float = key(3.48, "radius of gyration about the elastic axis, squared / b^2", above=0.0)
+    frequency_ratio: float = key(1.0, "omega_h / omega_alpha (uncoupled)", low=0.0, high=100.0)
+    mass_ratio: float = key(60.0, "mu = m / (pi rho b^2)", above=0.0)
+    damping_ratio_h: float = key(0.0, "structural damping ratio in plunge", low=0.0, high=1.0)
+    damping_ratio_alpha: float = key(0.0, "structural damping ratio in pitch", low=0.0, high=1.0)
+
+
+@dataclass
+class Flow:
+    """The stream. Air is fixed (gamma 1.4, R 287.05): V_f changes the structure's stiffness, not the
+    stream."""
+
+    mach: float = key(0.825, "freestream Mach number", low=0.05, high=1.3)
+    static_pressure: float = key(101325.0, "freestream static pressure", "Pa", above=0.0)
+    static_temperature: float = key(288.15, "freestream static temperature", "K", above=0.0)
+    airfoil: str = key("NACA 64A010", "a NACA 4-digit or 6A name, or a coordinate file")
+    mean_alpha_deg: float = key(
+        0.0, "mean angle of attack; its steady load is trimmed out", "deg", low=-10.0, high=10.0
+    )
+
+
+@dataclass
+class Aero:
+    """Settings of the aero FMU; "auto" leaves the FMU's own value."""
+
+    cells_around: int = key(168, "cells around the airfoil", low=16, high=4096)
+    cells_normal: int = key(48, "cells from wall to farfield", low=8, high=2048)
+    farfield_chords: float = key(25.0, "distance of the outer boundary", "chords", low=5.0, high=1000.0)
+    tolerance: float | str = key("auto", "tolerance of the subiterations", above=0.0, choices=["auto"])
+    max_subiterations: int | str = key("auto", "most subiterations a step", low=1, choices=["auto"])
+
+
+@dataclass
+class Flutter:
+    """One march: steady start, forced pitch, release, free response. Cycles are periods 2 pi /
+    omega_alpha."""
+
+    V_f: float = key(0.612, "flutter speed index U / (b omega_alpha sqrt(mu))", low=0.01, high=50.0)
+    forced_amplitude_deg: float = key(1.0, "amplitude of the forced pitch", "deg", low=0.0, high=20.0)
+    forced_frequency: float = key(1.0, "forced frequency / omega_alpha", above=0.0)
+    forced_cycles: float = key(2.0, "forced periods; 0 starts free", "cycles", low=0.0, high=100.0)
+    forced_ramp_cycles: float = key(
+        1.0, "forced periods in which the amplitude grows", "cycles", low=0.0, high=100.0
+    )
+    free_cycles: float = key(5.0, "free periods after release", "cycles", low=1.5, high=1000.0)
+    steps_per_cycle: int | str = key(
+        "auto",
+        "steps a period; auto: 0.3 chords of travel, at least 48",
+        low=12,
+        high=100000,
+        choices=["auto"],
+    )
+    initial_alpha_dot: float = key(
+        0.0, "initial pitch rate / omega_alpha (starts without forcing)", "rad", low=-1, high=1
+    )
+    max_alpha_deg: float = key(20.0, "the march ends when |alpha| exceeds this", "deg", above=0.0, high=90.0)
+    neutral_band: float = key(
+        5e-4, "|growth rate| / omega_alpha below this is called neutral", low=0.0, high=0.1
+    )
+
+
+@dataclass
+class Coupling:
+    """How one step couples the components."""
+
+    scheme: str = key("gauss-seidel", "gauss-seidel or implicit", choices=["gauss-seidel", "implicit"])
+    predictor_order: int = key(1, "order of the extrapolation of lagged inputs", low=0, high=2)
+    tolerance: float = key(1e-6, "implicit: change of a coupled input / its magnitude", above=0.0, high=0.1)
+    max_iterations: int = key(12, "implicit: most passes a step", low=1, high=1000)
+
+
+@dataclass
+class Boundary:
+    """The search for neutral V_f at each Mach number."""
+
+    mach: list[float] = field(
+        default_factory=lambda: [0.80, 0.825, 0.85], metadata=rule("Mach numbers", low=0.05, high=1.3)
+    )
+    V_f_range: list[float] = field(
+        default_factory=lambda: [0.2, 3.0],
+        metadata=rule("V_f is searched in this range", low=0.01, high=50.0),
+    )
+    tolerance: float = key(0.005, "relative tolerance of V_f", low=1e-5, high=0.2)
+    max_marches: int = key(12, "most marches a Mach number", low=2, high=200)
+
+
+@dataclass
+class Slosh:
+    """The fuel tank's model."""
+
+    model: str = key("none", "none (the others come with their FMUs)", choices=["none"])
+
+
+@dataclass
+class Output:
+    """What a run writes."""
+
+    pictures: bool = key(True, "PNG pictures")
+    fields: bool = key(
+        True, "four flow fields of the last free period (VTK files, for the Mach picture and ParaView)"
+    )
+
+
+@dataclass
+class Case:
+    """All tables. `name` is the file's stem."""
+
+    name: str = "isogai_a"
+    section: Section = field(default_factory=Section)
+    flow: Flow = field(default_factory=Flow)
+    aero: Aero = field(default_factory=Aero)
+    flutter: Flutter = field(default_factory=Flutter)
+    coupling: Coupling = field(default_factory=Coupling)
+    boundary: Boundary = field(default_factory=Boundary)
+    slosh: Slosh = field(default_factory=Slosh)
+    output: Output = field(default_factory=Output)
+
+
+TABLES: dict[str, Any] = {
+    name: hint for name, hint in typing.get_type_hints(Case).items() if dataclasses.is_dataclass(hint)
+}
+
+
+def load(path: Path, overrides: Sequence[str] = ()) -> Case:
+    """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key,
+    remedy)."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise AeroSloshError(
+            f"The case file cannot be read: {error.strerror}",
+            str(path),
+            "give the path of a TOML case, e.g. cases/isogai_a.toml",
+        ) from None
+    except UnicodeDecodeError:
+        raise AeroSloshError("The case file is not UTF-8 text", str(path), "save it as UTF-8") from None
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise AeroSloshError(
+            f"The case file is not valid TOML: {error}", str(path), "correct the line named"
+        ) from None
+    lines = toml_text.line_numbers(text)
+    case = Case(name=path.stem)
+    for table, content in data.items():
+        where = f"{path}, line {lines.get((table, ''), lines.get(('', table), 1))}"
+        if table not in TABLES:
+            raise AeroSloshError(
+                f"Unknown table [{table}]", where, _nearest(table, list(TABLES), "the tables are")
+            )
+        if not isinstance(content, dict):
+            raise AeroSloshError(f"'{table}' is a table", where, f"write [{table}] with keys below it")
+        for name, value in content.items():
+            _assign(
+                case, table, name, value, f"{path}, line {lines.get((table, name), '?')}, key {table}.{name}"
+            )
+    for override in overrides:
+        _override(case, override)  # checked together at the end: two overrides may belong together
+    _check_together(case, str(path))
+    return case
+
+
+def apply_override(case: Case, override: str) -> None:
+    """Apply one `section.key=value` in place; the value is read as TOML, else as a word. Raises AeroSloshError."""
+    _override(case, override)
+    _check_together(case, f"--set {override}")
+
+
+def _override(case: Case, override: str) -> None:
+    """`apply_override` without the checks that concern several keys."""
+    dotted, equals, text = override.partition("=")
+    table, dot, name = dotted.strip().partition(".")
+    where = f"--set {override}"
+    if not (equals and dot and table and name):
+        raise AeroSloshError(
+            "An override has the form section.key=value", where, "for instance --set flow.mach=0.8"
+        )
+    if table not in TABLES:
+        raise AeroSloshError(
+            f"Unknown table '{table}'", where, _nearest(table, list(TABLES), "the tables are")
+        )
+    try:
+        value = tomllib.loads(f"value = {text.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    _assign(case, table, name, value, where)
+
+
+def dump(case: Case) -> str:
+    """The resolved case as TOML, each key with its unit and description."""
+    parts = [f"# resolved case {case.name}: every key with its value, unit and meaning"]
+    for table in TABLES:
+        content = getattr(case, table)
+        parts.append(f"\n[{table}]")
+        for f in dataclasses.fields(content):
+            unit = f.metadata["unit"]
+            note = f.metadata["doc"] if unit == "1" else f"{f.metadata['doc']} [{unit}]"
+            parts.append(f"{f.name} = {toml_text.literal(getattr(content, f.name))}  # {note}")
+    return "\n".join(parts) + "\n"
+
+
+def _assign(case: Case, table: str, name: str, value: Any, where: str) -> None:
+    """Check one value against its field and set it."""
+    content = getattr(case, table)
+    fields = {f.name: f for f in dataclasses.fields(content)}
+    if name not in fields:
+        raise AeroSloshError(
+            f"Unknown key '{name}' in [{table}]",
+            where,
+            _nearest(name, list(fields), f"the keys of [{table}] are"),
+        )
+    f = fields[name]
+    hint = typing.get_type_hints(type(content))[name]
+    setattr(content, name, _checked(value, hint, f.metadata, f"{table}.{name}", where))
+
+
+def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
+    """`value` as the type `hint`, inside the field's range; raises with the remedy."""
+    if typing.get_origin(hint) is list:
+        if not isinstance(value, list) or not value:
+            raise AeroSloshError(
+                f"{name} is a list of numbers, not {value!r}",
+                where,
+                f"write {name.split('.')[1]} = [0.8, 0.85]",
+            )
+        return [_checked(v, typing.get_args(hint)[0], rule, name, where) for v in value]
+    kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+    if isinstance(value, int) and not isinstance(value, bool) and float in kinds:
+        value = float(value)
+    if type(value) not in kinds:
+        raise AeroSloshError(f"{name} has the wrong type: {value!r}", where, f"give {_expected(kinds, rule)}")
+    if isinstance(value, str):
+        if rule["choices"] and value not in rule["choices"]:
+            remedy = f"available: {', '.join(rule['choices'])}"
+            if len(kinds) > 1:
+                remedy = f"give {_expected(kinds, rule)}"
+            raise AeroSloshError(f'{name} = "{value}" is not available', where, remedy)
+    elif not isinstance(value, bool):
+        low, high, above = rule["low"], rule["high"], rule["above"]
+        inside = (
+            (low is None or value >= low)
+            and (high is None or value <= high)
+            and (above is None or value > above)
+        )
+        if not inside or value != value or value in (float("inf"), float("-inf")):
+            raise AeroSloshError(
+                f"{name} = {value!r} is out of range ({rule['doc']})", where, f"give {_expected(kinds, rule)}"
+            )
+    return value
+
+
+def _expected(kinds: tuple[Any, ...], rule: Any) -> str:
+    """The words of a remedy: type, range and unit."""
+    names = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
+    parts = [names[k] for k in kinds if k is not str]
+    if str in kinds:
+        parts.append(" or ".join(f'"{c}"' for c in rule["choices"]) or names[str])
+    text = " or ".join(parts)
+    if rule["above"] is not None:
+        text += f" above {rule['above']:g}"
+    if rule["low"] is not None:
+        text += f" from {rule['low']:g}"
+    if rule["high"] is not None:
+        text += f" to {rule['high']:g}"
+    return text + ("" if rule["unit"] == "1" else f" [{rule['unit']}]")
+
+
+def _check_together(case: Case, where: str) -> None:
+    """What no single key can tell."""
+    s, f, b = case.section, case.flutter, case.boundary
+    if s.r2_alpha <= s.x_alpha**2:
+        raise AeroSloshError(
+            f"section.r2_alpha = {s.r2_alpha:g} is not above x_alpha^2 = {s.x_alpha**2:g}: "
+            "the mass matrix is not positive",
+            where,
+            "the radius of gyration is about the elastic axis: r2_alpha = x_alpha^2 + (r_cg/b)^2",
+        )
+    if f.forced_cycles == 0.0 and f.initial_alpha_dot == 0.0:
+        raise AeroSloshError(
+            "Nothing disturbs the section: flutter.forced_cycles and flutter.initial_alpha_dot are both 0",
+            where,
+            "force at least one cycle, or give an initial pitch rate",
+        )
+    if f.forced_cycles > 0.0 and f.initial_alpha_dot != 0.0:
+        raise AeroSloshError(
+            "flutter.initial_alpha_dot has no effect while the pitch is forced",
+            where,
+            "set flutter.forced_cycles = 0 for a free start, or the rate to 0",
+        )
+    if f.forced_cycles > 0.0 and f.forced_amplitude_deg == 0.0:
+        raise AeroSloshError("flutter.forced_amplitude_deg is 0", where, "give an amplitude, for instance 1")
+    if len(b.V_f_range) != 2 or b.V_f_range[0] >= b.V_f_range[1]:
+        raise AeroSloshError(
+            f"boundary.V_f_range = {b.V_f_range} is not [low, high]", where, "write V_f_range = [0.2, 3.0]"
+        )
+
+
+def _nearest(name: str, known: list[str], lead: str) -> str:
+    """'did you mean …?' with all names."""
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5) or difflib.get_close_matches(
+        name.lower(), known, n=1, cutoff=0.4
+    )
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    return f"{hint}({lead}: {', '.join(known)})"

@@ -1,0 +1,274 @@
+"""The command `aeroslosh`: `point` marches one V_f, `boundary` finds the neutral V_f of several Mach
+numbers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time as clock
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from master import case as cases
+from master import flutter, outcome
+from master.boundary import BoundaryPoint, Marcher, boundary
+from master.case import Case
+from master.errors import AeroSloshError, ComponentError, ExitCode
+from master.progress import Progress
+from master.record import RunFolder, provenance, write_history
+from master.rig import FlutterRig, find_fmus
+from master.verdict import Verdict
+from master.wording import plus_minus
+
+PUBLISHED = Path(__file__).with_name("published.csv")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run and end the process with the exit code of `errors.ExitCode`.
+
+    `os._exit`: pythonfmu's wrapper releases its interpreter state twice at a normal exit, which can abort.
+    """
+    code: int = ExitCode.OK
+    try:
+        code = run(arguments)
+    except SystemExit as stop:  # argparse: 0 after --help, 2 after a bad command line
+        code = stop.code if isinstance(stop.code, int) else ExitCode.INPUT
+    except AeroSloshError as error:
+        show(error)
+        code = error.code
+    except KeyboardInterrupt:
+        print("\naeroslosh: interrupted; the unfinished run folder was removed", file=sys.stderr)
+        code = ExitCode.INTERRUPTED
+    except BrokenPipeError:  # the reader of our output went away
+        code = ExitCode.INPUT
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+    except Exception:  # a fault of ours: say so, with everything needed to report it
+        traceback.print_exc()
+        print("aeroslosh: internal error (above); please report it with the case file", file=sys.stderr)
+        code = 1
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            code = code or ExitCode.INPUT
+    os._exit(int(code))
+
+
+def show(error: AeroSloshError) -> None:
+    """An error on standard error; a component's with its own traceback."""
+    print(f"aeroslosh: {error}", file=sys.stderr)
+    if isinstance(error, ComponentError) and error.traceback:
+        print(f"  {error.component} says:", file=sys.stderr)
+        for line in error.traceback.strip().splitlines():
+            print(f"    | {line}", file=sys.stderr)
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Parse, run, report; returns the exit code."""
+    options = parser().parse_args(arguments)
+    case = cases.load(options.case, options.set)
+    if options.slosh is not None:
+        cases.apply_override(case, f"slosh.model={options.slosh}")
+    if options.no_pictures:
+        case.output.pictures = case.output.fields = False
+    progress = Progress(options.quiet or options.json)
+    fmus = find_fmus(options.fmus)
+    command = point if options.command == "point" else boundary_command
+    target = options.out or Path("runs") / f"{case.name}_{options.command}"
+    with RunFolder(target) as folder:
+        return command(case, fmus, options, folder, progress)
+
+
+def point(
+    case: Case, fmus: dict[str, Path], options: argparse.Namespace, folder: RunFolder, progress: Progress
+) -> int:
+    """One march."""
+    if options.mach is not None:
+        cases.apply_override(case, f"flow.mach={options.mach!r}")
+    if options.vf is not None:
+        cases.apply_override(case, f"flutter.V_f={options.vf!r}")
+    folder.write_case(case)
+    mach, V_f = case.flow.mach, case.flutter.V_f
+    fields = None
+    if case.output.fields:
+        fields = folder.path / "fields"
+        fields.mkdir()
+    with FlutterRig(case, fmus, mach, fields, lambda text: _say(text, folder, progress)) as rig:
+        about = provenance({c.name: c.sha256 for c in rig.system.components})
+        for loop in rig.system.loops:
+            folder.log(
+                f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}"
+            )
+        _say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
+        progress.start(f"M {mach:g} V_f {V_f:.4g}")
+        march = flutter.march(rig, V_f, fields, progress.watch)
+        data = outcome.march_data(march, rig.steady_cpu)
+        _log_messages(rig, folder)
+    folder.keep()  # a failed march's history is worth keeping
+    folder.log(outcome.march_summary(data))
+    write_history(folder.path / "history.nc", march, about)
+    _draw_point(case, march, folder, progress)
+    folder.write_result(data | {"provenance": about})
+    _print(options, data, outcome.march_summary(data), folder)
+    if march.failure is not None:
+        folder.log(f"{march.failure}\n{march.failure.traceback}")
+        show(march.failure)
+        return ExitCode.COMPONENT
+    return ExitCode.UNDETERMINED if march.verdict is Verdict.UNDETERMINED else ExitCode.OK
+
+
+def boundary_command(
+    case: Case, fmus: dict[str, Path], options: argparse.Namespace, folder: RunFolder, progress: Progress
+) -> int:
+    """Every Mach number's neutral V_f."""
+    if options.mach:
+        cases.apply_override(case, f"boundary.mach=[{', '.join(repr(m) for m in options.mach)}]")
+    if options.vf is not None:
+        cases.apply_override(case, f"flutter.V_f={options.vf!r}")
+    folder.write_case(case)
+    hashes: dict[str, str] = {}
+    begin = clock.perf_counter(), clock.process_time()
+
+    def marcher_at(mach: float) -> tuple[Marcher, Any]:
+        rig = FlutterRig(case, fmus, mach, None, lambda text: _say(text, folder, progress))
+        hashes.update({c.name: c.sha256 for c in rig.system.components})
+
+        def marcher(V_f: float) -> flutter.March:
+            progress.start(f"M {mach:g} V_f {V_f:.4g}")
+            march = flutter.march(rig, V_f, None, progress.watch)
+            fit = march.fit
+            rate = (
+                f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}"
+                if fit
+                else march.reason
+            )
+            _say(f"  Mach {mach:g}, V_f {V_f:.4f}: {rate}, {march.cost.wall:.1f} s", folder, progress)
+            _log_messages(rig, folder)
+            return march
+
+        return marcher, rig.close
+
+    def on_point(found: BoundaryPoint) -> None:
+        _say(f"Mach {found.mach:g}: {found.outcome}", folder, progress)
+        for march in found.marches:
+            name = f"history_M{found.mach:g}_Vf{march.scales.V_f:.4f}.nc"
+            write_history(folder.path / name, march, provenance(hashes))
+
+    b = case.boundary
+    points = boundary(
+        marcher_at,
+        b.mach,
+        case.flutter.V_f,
+        (b.V_f_range[0], b.V_f_range[1]),
+        b.tolerance,
+        b.max_marches,
+        on_point,
+    )
+    folder.keep()
+    rows = [outcome.point_data(p) for p in points]
+    data: dict[str, Any] = {
+        "points": rows,
+        "cost": {
+            "wall_seconds": clock.perf_counter() - begin[0],
+            "cpu_seconds": clock.process_time() - begin[1],
+        },
+    }
+    if case.output.pictures:
+        from master import plots
+
+        plots.boundary(
+            points, folder.path / "boundary.png", PUBLISHED if case.name.startswith("isogai_a") else None
+        )
+    folder.write_result(data | {"provenance": provenance(hashes)})
+    summary = outcome.boundary_summary(rows)
+    folder.log("\n" + summary)
+    cost = data["cost"]
+    spent = f"{cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU"
+    text = f"Flutter boundary of {case.name}\n{summary}\n  cost         {spent}"
+    _print(options, data, text, folder)
+    failures = [p.failure for p in points if p.failure is not None]
+    for failure in failures:
+        show(failure)
+    if failures:
+        return ExitCode.COMPONENT
+    return ExitCode.OK if all(p.converged for p in points) else ExitCode.UNDETERMINED
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    top = argparse.ArgumentParser(
+        prog="aeroslosh",
+        description="Aeroelastic flutter by co-simulation of FMUs.",
+        epilog="exit codes: 0 ok, 2 bad input, 3 a component failed, 4 no verdict or tolerance not met",
+    )
+    commands = top.add_subparsers(dest="command", required=True, metavar="point | boundary")
+    for name, text in (
+        ("point", "march one Mach number and V_f: does it flutter?"),
+        ("boundary", "find the neutral V_f of the case's Mach numbers"),
+    ):
+        sub = commands.add_parser(name, help=text, description=text)
+        sub.add_argument("case", type=Path, metavar="CASE", help="a TOML case, e.g. cases/isogai_a.toml")
+        if name == "point":
+            sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
+        else:
+            sub.add_argument("--mach", type=float, metavar="M", nargs="+", help="instead of boundary.mach")
+        sub.add_argument(
+            "--vf", type=float, metavar="V", help="instead of flutter.V_f (boundary: where to start)"
+        )
+        sub.add_argument("--slosh", metavar="MODEL", help="instead of slosh.model")
+        sub.add_argument(
+            "--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case"
+        )
+        sub.add_argument("--out", type=Path, metavar="DIR", help="run folder (default runs/<case>_<command>)")
+        sub.add_argument(
+            "--fmus", type=Path, metavar="DIR", default=_default_fmus(), help="folder of the FMUs"
+        )
+        sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
+        sub.add_argument("--quiet", action="store_true", help="no progress")
+        sub.add_argument("--no-pictures", action="store_true", help="no pictures and no flow fields")
+    return top
+
+
+def _default_fmus() -> Path:
+    """AEROSLOSH_FMUS, or dist/fmus beside the checkout."""
+    return Path(os.environ.get("AEROSLOSH_FMUS") or Path(__file__).resolve().parent.parent / "dist" / "fmus")
+
+
+def _say(text: str, folder: RunFolder, progress: Progress) -> None:
+    folder.log(text)
+    progress.say(text)
+
+
+def _log_messages(rig: FlutterRig, folder: RunFolder) -> None:
+    """The FMUs' log messages into run.log, each once."""
+    for component in rig.system.components:
+        for status, text in component.messages:
+            folder.log(f"{component.name} (status {status}): {text}")
+        component.messages.clear()
+
+
+def _draw_point(case: Case, march: flutter.March, folder: RunFolder, progress: Progress) -> None:
+    if not case.output.pictures:
+        return
+    from master import plots  # matplotlib takes half a second to import
+
+    progress.say("pictures")
+    plots.histories(march, folder.path / "histories.png")
+    plots.phase(march, folder.path / "phase.png")
+    if march.fields:
+        plots.mach_field(march, folder.path / "mach_field.png", case.section.chord)
+
+
+def _print(options: argparse.Namespace, data: dict[str, Any], summary: str, folder: RunFolder) -> None:
+    if options.json:
+        print(json.dumps(data, allow_nan=False))
+    else:
+        print(f"{summary}\n  run folder   {os.path.relpath(folder.target)}")
+
+
+if __name__ == "__main__":
+    main()

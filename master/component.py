@@ -1,0 +1,313 @@
+"""One FMU instance: load, set, step, get, save, rewind, its log and its cost. Works with any FMI 2.0
+co-simulation FMU.
+
+Real inputs and outputs travel through preallocated ctypes buffers seen as numpy arrays (`inputs`,
+`outputs`): one FMI call each way, no allocation per step. FMUs of this product also have the outputs
+`failed` and `error`; they are read after a failure when present.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import time as clock
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+from fmpy.logging import addLoggerProxy
+
+from master import fmu_cache
+from master.errors import AeroSloshError, ComponentError
+
+STATUS = {0: "OK", 1: "warning", 2: "discarded", 3: "error", 4: "fatal", 5: "pending"}
+KINDS: dict[str, Any] = {
+    "Real": ctypes.c_double,
+    "Integer": ctypes.c_int,
+    "Enumeration": ctypes.c_int,
+    "Boolean": ctypes.c_int,
+}
+
+
+class Group:
+    """Variables of one type that travel together; `values` is a numpy view (float64 or int32) of the C
+    buffer."""
+
+    def __init__(self, component: Component, names: Sequence[str], kind: str) -> None:
+        self.names = list(names)
+        n = max(1, len(self.names))  # ctypes arrays of length 0 have no numpy view
+        self._count = len(self.names)
+        self._component = component
+        self._references = (ctypes.c_uint * n)(
+            *(component.variables[name].valueReference for name in self.names)
+        )
+        self._buffer = (KINDS[kind] * n)()
+        self.values = np.ctypeslib.as_array(self._buffer)[: self._count]
+        suffix = "Integer" if kind == "Enumeration" else kind
+        self._getter, self._setter = f"fmi2Get{suffix}", f"fmi2Set{suffix}"
+
+    def get(self) -> None:
+        """Read the FMU's values into `values`."""
+        if self._count:
+            with self._component.calling(self._getter) as fmu:
+                getattr(fmu, self._getter)(fmu.component, self._references, self._count, self._buffer)
+
+    def set(self) -> None:
+        """Write `values` to the FMU."""
+        if self._count:
+            with self._component.calling(self._setter) as fmu:
+                getattr(fmu, self._setter)(fmu.component, self._references, self._count, self._buffer)
+
+
+class Component:
+    """An instance of the FMU at `path` called `name` (a word without dots).
+
+    variables       name → FMPy model variable (causality, unit, type, start)
+    inputs, outputs groups of all Real inputs and outputs (`input_index[name]` is the position)
+    whole, truth    groups of all Integer (and enumeration) and all Boolean outputs; read them with
+                    `.get()` when needed
+    cpu, wall       seconds spent inside its FMI calls
+    Raises AeroSloshError for a file that is no usable FMU, ComponentError when a call fails.
+    """
+
+    def __init__(self, path: Path, name: str, log_lines: int = 2000) -> None:
+        self.path, self.name = path, name
+        self.folder, self.sha256 = fmu_cache.unzip(path)
+        try:
+            self.description = fmpy.read_model_description(str(self.folder), validate=False)
+        except Exception as error:  # FMPy raises bare Exceptions here
+            raise AeroSloshError(
+                f"{path.name} cannot be read: {error}", str(path), "give an FMI 2.0 FMU"
+            ) from None
+        simulation = self.description.coSimulation
+        if not str(self.description.fmiVersion).startswith("2") or simulation is None:
+            raise AeroSloshError(
+                f"{path.name} is not an FMI 2.0 co-simulation FMU (version {self.description.fmiVersion})",
+                str(path),
+                "export it for FMI 2.0 co-simulation",
+            )
+        self.variables: dict[str, Any] = {v.name: v for v in self.description.modelVariables}
+        self.can_rewind = bool(simulation.canGetAndSetFMUstate)
+        self.cpu = self.wall = self.time = 0.0
+        self.steps = 0
+        self.messages: deque[tuple[int, str]] = deque(maxlen=log_lines)
+        self.state = "created"
+        self._callbacks = self._make_callbacks()
+        try:
+            self._fmu = fmi2.FMU2Slave(
+                guid=self.description.guid,
+                unzipDirectory=str(self.folder),
+                modelIdentifier=simulation.modelIdentifier,
+                instanceName=name,
+            )
+        except Exception as error:
+            raise AeroSloshError(
+                f"The binary of {path.name} cannot be loaded: {error}",
+                str(self.folder),
+                "its binaries must fit this machine (`fmpy info` lists the platforms)",
+            ) from None
+        self._instantiate()
+        reals = {
+            c: [v.name for v in self.variables.values() if v.type == "Real" and v.causality == c]
+            for c in ("input", "output")
+        }
+        self.inputs = Group(self, reals["input"], "Real")
+        self.outputs = Group(self, reals["output"], "Real")
+        self.input_index = {n: i for i, n in enumerate(reals["input"])}
+        self.output_index = {n: i for i, n in enumerate(reals["output"])}
+        whole = [
+            v.name
+            for v in self.variables.values()
+            if v.causality == "output" and v.type in ("Integer", "Enumeration")
+        ]
+        truth = [v.name for v in self.variables.values() if v.causality == "output" and v.type == "Boolean"]
+        self.whole, self.truth = Group(self, whole, "Integer"), Group(self, truth, "Boolean")
+
+    # life
+
+    def initialize(self, start_time: float = 0.0) -> None:
+        """Enter and leave initialisation mode; parameters and initial inputs were set before."""
+        self.enter_initialization(start_time)
+        self.exit_initialization()
+
+    def enter_initialization(self, start_time: float = 0.0) -> None:
+        """Set up the experiment and enter initialisation mode."""
+        self.time = start_time
+        with self.calling("fmi2EnterInitializationMode") as fmu:
+            fmu.setupExperiment(startTime=start_time)
+            fmu.enterInitializationMode()
+        self.inputs.get()  # inputs left unwired keep their start values
+        self.state = "initializing"
+
+    def exit_initialization(self) -> None:
+        """Leave initialisation mode; reads the initial outputs; raises when the FMU says it failed."""
+        with self.calling("fmi2ExitInitializationMode") as fmu:
+            fmu.exitInitializationMode()
+        self.state = "ready"
+        self.outputs.get()
+        if "failed" in self.variables and self.get("failed"):
+            raise self._failure("it could not initialise", "fmi2ExitInitializationMode")
+
+    def restart(self) -> None:
+        """A new instance of the same FMU in place of this one (all states taken from it are void)."""
+        self._free()
+        self._instantiate()
+
+    def close(self) -> None:
+        """Free the instance. The library stays loaded: unloading pythonfmu's wrapper is not safe."""
+        self._free()
+
+    # values
+
+    def set(self, name: str, value: float | int | bool | str) -> None:
+        """Set one variable of any type."""
+        variable = self._variable(name)
+        with self.calling("fmi2Set") as fmu:
+            reference = [variable.valueReference]
+            if variable.type == "Real":
+                fmu.setReal(reference, [float(value)])
+            elif variable.type in ("Integer", "Enumeration"):
+                fmu.setInteger(reference, [int(value)])
+            elif variable.type == "Boolean":
+                fmu.setBoolean(reference, [bool(value)])
+            else:
+                fmu.setString(reference, [str(value)])
+
+    def set_all(self, values: Mapping[str, float | int | bool | str]) -> None:
+        """Set many variables."""
+        for name, value in values.items():
+            self.set(name, value)
+
+    def get(self, name: str) -> Any:
+        """Read one variable of any type."""
+        variable = self._variable(name)
+        with self.calling("fmi2Get") as fmu:
+            reference = [variable.valueReference]
+            if variable.type == "Real":
+                return fmu.getReal(reference)[0]
+            if variable.type in ("Integer", "Enumeration"):
+                return fmu.getInteger(reference)[0]
+            if variable.type == "Boolean":
+                return bool(fmu.getBoolean(reference)[0])
+            return fmu.getString(reference)[0].decode("utf-8", "replace")
+
+    # stepping
+
+    def step(self, dt: float) -> None:
+        """Write `inputs`, advance from `time` by `dt` [s], read `outputs`. Raises ComponentError."""
+        self.inputs.set()
+        with self.calling("fmi2DoStep") as fmu:
+            fmu.doStep(self.time, dt)
+        self.outputs.get()
+        self.time += dt
+        self.steps += 1
+
+    def save(self) -> tuple[Any, float]:
+        """The FMU's whole state and its time; free it with `free`."""
+        if not self.can_rewind:
+            raise AeroSloshError(
+                f"{self.name} cannot save and restore its state (canGetAndSetFMUstate is false)",
+                str(self.path),
+                'use coupling.scheme = "gauss-seidel", or another export of this FMU',
+            )
+        with self.calling("fmi2GetFMUstate") as fmu:
+            return fmu.getFMUState(), self.time
+
+    def rewind(self, saved: tuple[Any, float]) -> None:
+        """Return to a saved state (which stays valid) and read the outputs of it."""
+        with self.calling("fmi2SetFMUstate") as fmu:
+            fmu.setFMUState(saved[0])
+        self.time = saved[1]
+        self.outputs.get()
+
+    def free(self, saved: tuple[Any, float]) -> None:
+        """Free a saved state."""
+        with self.calling("fmi2FreeFMUstate") as fmu:
+            fmu.freeFMUState(saved[0])
+
+    # inside
+
+    @contextmanager
+    def calling(self, what: str) -> Iterator[Any]:
+        """Count the time of FMI calls and turn a bad status into a ComponentError with the FMU's own
+        words."""
+        cpu, wall = clock.process_time(), clock.perf_counter()
+        try:
+            yield self._fmu
+        except FMICallException as error:
+            raise self._failure(
+                f"{error.function} returned '{STATUS.get(error.status, error.status)}'", what
+            ) from None
+        finally:
+            self.cpu += clock.process_time() - cpu
+            self.wall += clock.perf_counter() - wall
+
+    def _failure(self, said: str, what: str) -> ComponentError:
+        """The error a user sees: the FMU's `error` line when it has one, and the messages of its log."""
+        line = ""
+        if "error" in self.variables and self.variables["error"].type == "String":
+            try:
+                raw = self._fmu.getString([self.variables["error"].valueReference])[0]
+                line = raw.decode("utf-8", "replace").strip() if raw else ""
+            except FMICallException:
+                line = ""  # an instance too broken to answer: the log must do
+        bad = [text for status, text in self.messages if status >= fmi2.fmi2Discard]
+        trace = "\n".join(dict.fromkeys(bad))  # the same text may come with every later call
+        return ComponentError(
+            f"Component '{self.name}' failed: {line or said}",
+            f"{what} at t = {self.time:.6g} s, step {self.steps + 1} ({self.path.name}; {said})",
+            "the FMU's own messages are below; correct the setting they name",
+            self.name,
+            self.time,
+            trace,
+        )
+
+    def _variable(self, name: str) -> Any:
+        if name not in self.variables:
+            raise AeroSloshError(
+                f"{self.name} has no variable '{name}'",
+                str(self.path),
+                f"`fmpy info {self.path.name}` lists its variables; rebuild old FMUs with `make fmus`",
+            )
+        return self.variables[name]
+
+    def _make_callbacks(self) -> Any:
+        """Callbacks whose logger keeps the messages; the object must live as long as the instance."""
+
+        def logger(
+            _environment: Any, _instance: bytes, status: int, _category: bytes, message: bytes
+        ) -> None:
+            self.messages.append((status, message.decode("utf-8", "replace") if message else ""))
+
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger)
+        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        addLoggerProxy(ctypes.byref(callbacks))
+        return callbacks
+
+    def _instantiate(self) -> None:
+        self.messages.clear()
+        try:
+            self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        except Exception as error:
+            trace = "\n".join(text for _, text in self.messages)
+            raise ComponentError(
+                f"Component '{self.name}' cannot be instantiated: {error}",
+                str(self.path),
+                "run `fmpy validate` on it; rebuild with `make fmus`",
+                self.name,
+                0.0,
+                trace,
+            ) from None
+        self.state, self.steps, self.time = "instantiated", 0, 0.0
+
+    def _free(self) -> None:
+        if self.state not in ("created", "freed"):
+            self._fmu.fmi2FreeInstance(self._fmu.component)
+            self.state = "freed"

@@ -1,0 +1,51 @@
+"""Exit codes and the one exception a user may see: what went wrong, where, and the remedy."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """Exit status of the command `aeroslosh`.
+
+    OK             the run ended and its verdict stands
+    INPUT          a bad case, override, command line, missing FMU or output folder; nothing was computed
+    COMPONENT      an FMU failed (its message and traceback were shown); the history so far is kept
+    UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short,
+                   too noisy)
+    INTERRUPTED    stopped by Ctrl-C
+    """
+
+    OK = 0
+    INPUT = 2
+    COMPONENT = 3
+    UNDETERMINED = 4
+    INTERRUPTED = 130
+
+
+class AeroSloshError(Exception):
+    """An error told in three parts: `what` happened, `where` (file, line, key, FMU, time), and the
+    `remedy`."""
+
+    def __init__(self, what: str, where: str = "", remedy: str = "", code: ExitCode = ExitCode.INPUT) -> None:
+        self.what, self.where, self.remedy, self.code = what, where, remedy, code
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        lines = [self.what]
+        if self.where:
+            lines.append(f"  where:  {self.where}")
+        if self.remedy:
+            lines.append(f"  remedy: {self.remedy}")
+        return "\n".join(lines)
+
+
+class ComponentError(AeroSloshError):
+    """An FMU failed. `component` is its name, `time` [s] the start of the step, `traceback` what its log
+    said."""
+
+    def __init__(
+        self, what: str, where: str, remedy: str, component: str, time: float, traceback: str
+    ) -> None:
+        self.component, self.time, self.traceback = component, time, traceback
+        super().__init__(what, where, remedy, ExitCode.COMPONENT)

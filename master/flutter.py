@@ -1,0 +1,212 @@
+"""One march of the flutter protocol: steady start → forced cycles → release → free cycles → verdict."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from master import coupling
+from master.damping import Fit, analyse
+from master.errors import ComponentError
+from master.rig import FlutterRig
+from master.similarity import Scales
+from master.verdict import Verdict, judge
+
+REALS = {  # history channel: (component, output, unit, long name)
+    "h": ("structure", "h", "m", "plunge of the elastic axis, positive down"),
+    "h_dot": ("structure", "h_dot", "m s-1", "plunge rate"),
+    "h_ddot": ("structure", "h_ddot", "m s-2", "plunge acceleration"),
+    "alpha": ("structure", "alpha", "rad", "pitch about the mean, nose-up"),
+    "alpha_dot": ("structure", "alpha_dot", "rad s-1", "pitch rate"),
+    "alpha_ddot": ("structure", "alpha_ddot", "rad s-2", "pitch acceleration"),
+    "lift": ("aero", "lift", "N m-1", "lift per span, positive up"),
+    "moment": ("aero", "moment", "N", "moment per span about the elastic axis, nose-up"),
+    "C_L": ("aero", "C_L", "1", "lift coefficient"),
+    "C_M": ("aero", "C_M", "1", "moment coefficient about the elastic axis, nose-up"),
+    "C_D": ("aero", "C_D", "1", "drag coefficient"),
+    "residual": ("aero", "residual", "1", "residual of the last subiteration"),
+}
+Watcher = Callable[[int, int, FlutterRig], None]  # step, steps, rig
+
+
+@dataclass
+class Cost:
+    """Seconds of one march. `cpu` by component, `wall` of the whole march, `total_cpu` of the process in
+    it."""
+
+    cpu: dict[str, float]
+    wall: float
+    total_cpu: float
+    steps: int
+
+    @property
+    def master_share(self) -> float:
+        """The part of the CPU time spent outside the FMUs."""
+        return max(0.0, 1.0 - sum(self.cpu.values()) / self.total_cpu) if self.total_cpu > 0 else 0.0
+
+
+@dataclass
+class March:
+    """A march with its outcome. `history` arrays have shape (n_steps + 1,), the first entry being the start.
+
+    release        index of the first free sample (the release itself)
+    failure        the component failure that ended the march, if one did; `stopped` any other early end
+    unconverged    steps whose coupling iteration, or whose aero subiteration, did not converge
+    """
+
+    scales: Scales
+    history: dict[str, np.ndarray]
+    release: int
+    fit: Fit | None
+    verdict: Verdict
+    reason: str
+    cost: Cost
+    failure: ComponentError | None = None
+    stopped: str = ""
+    unconverged: dict[str, int] = field(default_factory=dict)
+    fields: list[tuple[float, Path]] = field(default_factory=list)
+
+    @property
+    def tau(self) -> np.ndarray:
+        """omega_alpha t."""
+        return self.history["tau"]
+
+    @property
+    def free(self) -> np.ndarray:
+        """Channels that the damping fit sees: h/b and alpha from the release on. Shape: (2, n)."""
+        return np.vstack([self.history["h_over_b"], self.history["alpha"]])[:, self.release :]
+
+
+def march(
+    rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: Watcher | None = None
+) -> March:
+    """March `rig` at `V_f`. A failing component ends the march: the history so far is kept and judged.
+
+    `field_folder`: where the rig's aero FMU writes flow fields; four instants of the last free period are
+    asked for.
+    """
+    begin_wall, begin_cpu = clock.perf_counter(), clock.process_time()
+    before = {c.name: c.cpu for c in rig.system.components}
+    case, s = rig.case, rig.start(V_f)
+    flutter = case.flutter
+    scheme = coupling.make(
+        case.coupling.scheme,
+        case.coupling.predictor_order,
+        case.coupling.tolerance,
+        case.coupling.max_iterations,
+    )
+    scheme.reset(rig.system)
+    release = round(flutter.forced_cycles / flutter.forced_frequency * s.steps_per_cycle)
+    steps = release + round(flutter.free_cycles * s.steps_per_cycle)
+    history = _History(rig, steps + 1)
+    history.take(0)
+    instants = (
+        {steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)} if field_folder else set()
+    )
+    unconverged = {"coupling": 0, "aero": 0}
+    failure, stopped, done = None, "", 0
+    limit = math.radians(flutter.max_alpha_deg)
+    dt = s.dt
+    try:
+        for done in range(1, steps + 1):
+            if instants:
+                rig.aero.set("write_fields", done in instants)
+            report = scheme.step(rig.system, dt)
+            unconverged["coupling"] += not report.converged
+            unconverged["aero"] += not history.take(done, report.passes)
+            alpha = history.values["alpha"][done]
+            if not np.isfinite(rig.system.values).all():
+                stopped = f"not-a-number at step {done}, tau = {done * dt * s.omega_alpha:.3f}"
+                done -= 1
+                break
+            if abs(alpha) > limit:
+                stopped = f"|alpha| exceeded flutter.max_alpha_deg = {flutter.max_alpha_deg:g} at step {done}"
+                break
+            if watch is not None:
+                watch(done, steps, rig)
+    except ComponentError as error:
+        failure, done = error, done - 1
+    finally:
+        if instants and failure is None:
+            rig.aero.set("write_fields", False)
+    table = history.finish(done + 1, s)
+    wall, cpu = clock.perf_counter() - begin_wall, clock.process_time() - begin_cpu
+    cost = Cost({c.name: c.cpu - before[c.name] for c in rig.system.components}, wall, cpu, done)
+    written = sorted(field_folder.glob("fields_*.vts")) if field_folder else []
+    moments = [i * dt * s.omega_alpha for i in sorted(instants) if i <= done]
+    result = March(
+        s,
+        table,
+        release,
+        None,
+        Verdict.UNDETERMINED,
+        "",
+        cost,
+        failure,
+        stopped,
+        unconverged,
+        list(zip(moments, written[-len(moments) :] if moments else [], strict=False)),
+    )
+    _conclude(result, flutter.neutral_band)
+    return result
+
+
+def _conclude(result: March, neutral_band: float) -> None:
+    """Fit and verdict of the free part, if there is enough of it."""
+    if result.tau.size - result.release >= result.scales.steps_per_cycle:
+        result.fit = analyse(result.tau[result.release :], result.free)
+        result.verdict, result.reason = judge(
+            result.tau[result.release :], result.free, result.fit, neutral_band
+        )
+    else:
+        result.reason = "the free response is shorter than one period"
+    if result.unconverged["coupling"] > 0.05 * max(1, result.cost.steps):
+        result.verdict = Verdict.UNDETERMINED
+        result.reason = f"the coupling iteration did not converge in {result.unconverged['coupling']} steps"
+    if result.stopped.startswith("|alpha|") and result.verdict is not Verdict.FLUTTER and result.fit is None:
+        result.verdict, result.reason = Verdict.FLUTTER, result.stopped
+
+
+class _History:
+    """Collects the channels step by step into preallocated arrays."""
+
+    def __init__(self, rig: FlutterRig, n: int) -> None:
+        self._rig = rig
+        self.values = {name: np.zeros(n) for name in REALS}
+        self.values |= {"subiterations": np.zeros(n), "passes": np.zeros(n)}
+        self._reals = [
+            (
+                self.values[name],
+                rig.system[component].outputs.values,
+                rig.system[component].output_index[output],
+            )
+            for name, (component, output, _, _) in REALS.items()
+            if output in rig.system[component].output_index
+        ]
+        whole, truth = rig.aero.whole, rig.aero.truth
+        self._subiterations = whole.names.index("subiterations") if "subiterations" in whole.names else None
+        self._converged = truth.names.index("converged") if "converged" in truth.names else None
+
+    def take(self, i: int, passes: int = 0) -> bool:
+        """Note sample `i`; False when the aero FMU says it did not converge."""
+        for column, outputs, position in self._reals:
+            column[i] = outputs[position]
+        self.values["passes"][i] = passes
+        if self._subiterations is not None:
+            self._rig.aero.whole.get()
+            self.values["subiterations"][i] = self._rig.aero.whole.values[self._subiterations]
+        if self._converged is None:
+            return True
+        self._rig.aero.truth.get()
+        return bool(self._rig.aero.truth.values[self._converged])
+
+    def finish(self, n: int, s: Scales) -> dict[str, np.ndarray]:
+        """The first `n` samples with time, tau and h/b."""
+        time = np.arange(n) * s.dt
+        table = {"time": time, "tau": time * s.omega_alpha, "h_over_b": self.values["h"][:n] / s.half_chord}
+        return table | {name: column[:n].copy() for name, column in self.values.items()}

@@ -1,0 +1,129 @@
+"""Results as data: the JSON that other programs read, and the summary that people read."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from master.boundary import BoundaryPoint
+from master.flutter import March
+from master.wording import plus_minus
+
+
+def number(value: float | None) -> float | None:
+    """JSON has no nan or infinity."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
+    """One march. Growth rate and frequency in units of omega_alpha; cost in seconds."""
+    s, fit, cost = march.scales, march.fit, march.cost
+    data: dict[str, Any] = {
+        "mach": s.mach,
+        "V_f": s.V_f,
+        "verdict": str(march.verdict),
+        "reason": march.reason,
+        "growth_rate": number(fit.growth_rate) if fit else None,
+        "growth_rate_uncertainty": number(fit.growth_rate_uncertainty) if fit else None,
+        "frequency": number(fit.frequency) if fit else None,
+        "frequency_uncertainty": number(fit.frequency_uncertainty) if fit else None,
+        "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit else None,
+        "modes": [
+            {"growth_rate": m.growth_rate, "frequency": m.frequency, "share": m.share}
+            for m in (fit.modes if fit else [])
+        ],
+        "fit_residual": number(fit.residual) if fit else None,
+        "uncertainty_parts": fit.contributions if fit else {},
+        "omega_alpha": s.omega_alpha,
+        "speed": s.speed,
+        "steps": cost.steps,
+        "steps_per_cycle": s.steps_per_cycle,
+        "unconverged_steps": march.unconverged,
+        "stopped": march.stopped or None,
+        "failure": march.failure.what if march.failure else None,
+        "cost": {
+            "wall_seconds": cost.wall,
+            "cpu_seconds": cost.total_cpu,
+            "cpu_seconds_by_component": cost.cpu,
+            "master_share": cost.master_share,
+        },
+    }
+    if steady_cpu is not None:
+        data["cost"]["steady_cpu_seconds"] = steady_cpu
+    return data
+
+
+def point_data(point: BoundaryPoint) -> dict[str, Any]:
+    """One Mach number of a boundary. `V_f`, `frequency` are the lowest onset's (or the lowest crossing's)."""
+    first = min(point.crossings, key=lambda c: (c.direction != "onset", c.V_f), default=None)
+    return {
+        "mach": point.mach,
+        "V_f": number(first.V_f) if first else None,
+        "V_f_uncertainty": number(first.uncertainty) if first else None,
+        "growth_rate": 0.0 if first else None,
+        "frequency": number(first.frequency) if first else None,
+        "verdict": "neutral" if first else "undetermined",
+        "outcome": point.outcome,
+        "converged": point.converged,
+        "crossings": [
+            {
+                "V_f": c.V_f,
+                "V_f_uncertainty": number(c.uncertainty),
+                "frequency": c.frequency,
+                "direction": c.direction,
+                "slope": c.slope,
+                "bracketed": c.bracketed,
+            }
+            for c in point.crossings
+        ],
+        "marches": [march_data(m) for m in point.marches],
+        "cost": {
+            "wall_seconds": point.wall,
+            "cpu_seconds": sum(m.cost.total_cpu for m in point.marches),
+            "marches": len(point.marches),
+        },
+    }
+
+
+def march_summary(data: dict[str, Any]) -> str:
+    """What a person wants to know of one march."""
+    lines = [f"Mach {data['mach']:g}, V_f {data['V_f']:g}: {data['verdict'].upper()}", f"  {data['reason']}"]
+    if data["growth_rate"] is not None:
+        lines += [
+            f"  growth rate  {plus_minus(data['growth_rate'], data['growth_rate_uncertainty'])}  omega_alpha"
+            f"   (damping ratio {data['damping_ratio']:+.5f})",
+            f"  frequency    {plus_minus(data['frequency'], data['frequency_uncertainty'])}  omega_alpha"
+            f"   ({data['frequency'] * data['omega_alpha'] / (2 * math.pi):.3f} Hz)",
+        ]
+    for kind, count in data["unconverged_steps"].items():
+        if count:
+            lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
+    if data["stopped"]:
+        lines.append(f"  note: {data['stopped']}")
+    cost = data["cost"]
+    shares = ", ".join(
+        f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items()
+    )
+    steady = f", steady start {cost['steady_cpu_seconds']:.1f} s" if "steady_cpu_seconds" in cost else ""
+    lines.append(
+        f"  cost         {cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU for "
+        f"{data['steps']} steps ({shares}, master {100 * cost['master_share']:.1f} %{steady})"
+    )
+    return "\n".join(lines)
+
+
+def boundary_summary(points: list[dict[str, Any]]) -> str:
+    """The boundary as a table."""
+    lines = ["  Mach    V_f              frequency  marches  wall"]
+    for p in points:
+        if p["V_f"] is None:
+            lines.append(f"  {p['mach']:<6.3f}  {p['outcome']}")
+            continue
+        value = plus_minus(p["V_f"], p["V_f_uncertainty"], 4)
+        lines.append(
+            f"  {p['mach']:<6.3f}  {value:<16} {p['frequency']:.4f}     {p['cost']['marches']:<7}  "
+            f"{p['cost']['wall_seconds']:.1f} s" + ("" if p["converged"] else "   (tolerance not met)")
+        )
+        if len(p["crossings"]) > 1:
+            lines.append(f"          all: {p['outcome']}")
+    return "\n".join(lines)

@@ -1,0 +1,183 @@
+"""What a run leaves behind: one folder, complete or not there at all.
+
+Everything is written to a hidden folder beside the target, which is renamed at the end. A run folder
+already there is moved aside to `<name>.001`, `.002`, …; any other folder of that name is refused.
+  case.toml       the resolved case
+  result.json     the numbers of the command's JSON output, with provenance
+  history*.nc     netCDF-3 history of each march, every variable with `units` and `long_name`
+  run.log         what the run said, and the log messages of the FMUs
+  *.png, fields/  pictures and flow fields
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import os
+import platform
+import shutil
+import sys
+from importlib import metadata
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from scipy.io import netcdf_file
+
+from master.case import Case, dump
+from master.errors import AeroSloshError
+from master.flutter import REALS, March
+
+PACKAGES = ("aeroslosh", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
+UNITS = {  # history variables that are no FMU outputs
+    "time": ("s", "time since the start of the march"),
+    "tau": ("1", "dimensionless time omega_alpha t"),
+    "h_over_b": ("1", "plunge over half chord, positive down"),
+    "subiterations": ("1", "subiterations of the aero step"),
+    "passes": ("1", "passes over the components in the step"),
+}
+
+
+def provenance(fmus: dict[str, str]) -> dict[str, Any]:
+    """What is needed to repeat a number. `fmus`: component name → SHA-256."""
+    versions = {}
+    for package in PACKAGES:
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = "unknown"
+    return {
+        "versions": versions | {"python": platform.python_version()},
+        "fmu_sha256": fmus,
+        "command": " ".join(sys.argv),
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "host": platform.node(),
+        "cpu": _cpu(),
+    }
+
+
+class RunFolder:
+    """Context manager over the hidden folder `path`; renamed to `target` when the block ends well.
+
+    On an exception the hidden folder is removed, unless `keep()` was called: then what was written is
+    published too.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self.target = target.absolute()
+        if (
+            self.target.exists()
+            and not (self.target / "case.toml").is_file()
+            and (not self.target.is_dir() or any(self.target.iterdir()))
+        ):
+            raise AeroSloshError(
+                "The output folder exists and holds something else than a run",
+                str(self.target),
+                "give another folder with --out, or remove it",
+            )
+        self.path = self.target.with_name(f".{self.target.name}.part-{os.getpid()}")
+        self._keep = False
+
+    def __enter__(self) -> RunFolder:
+        try:
+            shutil.rmtree(self.path, ignore_errors=True)
+            self.path.mkdir(parents=True)
+            self._log = (self.path / "run.log").open("w", encoding="utf-8")
+        except OSError as error:
+            raise AeroSloshError(
+                f"The output folder cannot be written: {error.strerror}",
+                str(self.target),
+                "give another with --out",
+            ) from None
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, _e: BaseException | None, _t: TracebackType | None
+    ) -> None:
+        self._log.close()
+        if kind is not None and not self._keep:
+            shutil.rmtree(self.path, ignore_errors=True)
+            return
+        if self.target.exists():
+            self._move_aside()
+        os.rename(self.path, self.target)
+
+    def keep(self) -> None:
+        """Publish the folder even when the run ends with an error."""
+        self._keep = True
+
+    def log(self, text: str) -> None:
+        """One entry in run.log."""
+        self._log.write(f"{datetime.datetime.now().isoformat(timespec='milliseconds')}  {text}\n")
+        self._log.flush()
+
+    def write_case(self, case: Case) -> None:
+        """case.toml"""
+        (self.path / "case.toml").write_text(dump(case), encoding="utf-8")
+
+    def write_result(self, result: dict[str, Any]) -> None:
+        """result.json"""
+        text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
+        (self.path / "result.json").write_text(text + "\n", encoding="utf-8")
+
+    def _move_aside(self) -> None:
+        if not any(self.target.iterdir()):
+            self.target.rmdir()
+            return
+        for number in range(1, 1000):
+            aside = self.target.with_name(f"{self.target.name}.{number:03d}")
+            if not aside.exists():
+                os.rename(self.target, aside)
+                return
+        raise AeroSloshError(
+            f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones"
+        )
+
+
+def write_history(path: Path, march: March, about: dict[str, Any]) -> None:
+    """netCDF-3 history of `march` with the provenance `about` as global attributes."""
+    with netcdf_file(str(path), "w") as file:
+        file.createDimension("time", march.tau.size)
+        for name, values in march.history.items():
+            unit, long_name = UNITS[name] if name in UNITS else REALS[name][2:]
+            variable = file.createVariable(name, "f8", ("time",))
+            variable[:] = values
+            variable.units = unit
+            variable.long_name = long_name
+        s = march.scales
+        attributes: dict[str, Any] = {
+            "title": f"aeroslosh march, Mach {s.mach:g}, V_f {s.V_f:g}",
+            "Conventions": "CF-1.8",
+            "mach": s.mach,
+            "V_f": s.V_f,
+            "omega_alpha": s.omega_alpha,
+            "half_chord": s.half_chord,
+            "speed": s.speed,
+            "density": s.density,
+            "mass": s.mass,
+            "steps_per_cycle": s.steps_per_cycle,
+            "release_index": march.release,
+            "verdict": str(march.verdict),
+            "reason": march.reason,
+            "failure": march.failure.what if march.failure else "",
+            "stopped": march.stopped,
+        }
+        for name, value in (attributes | {k: v for k, v in about.items() if not isinstance(v, dict)}).items():
+            if value != "":
+                setattr(file, name, np.float64(value) if isinstance(value, float) else _ascii(value))
+        file.versions = _ascii(json.dumps(about["versions"]))
+        file.fmu_sha256 = _ascii(json.dumps(about["fmu_sha256"]))
+
+
+def _ascii(value: Any) -> Any:
+    """Attributes as netCDF-3 holds them: numbers, or bytes of UTF-8."""
+    return value if isinstance(value, (int, float)) else str(value).encode("utf-8")
+
+
+def _cpu() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()

@@ -1,0 +1,148 @@
+"""The flutter set-up: the FMUs of one Mach number, wired, with the steady flow saved for every march to
+start from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from master.case import Case
+from master.component import Component
+from master.errors import AeroSloshError
+from master.similarity import Scales, scales
+from master.system import System, wires
+
+WIRES = """
+structure.h -> aero.h
+structure.h_dot -> aero.h_dot
+structure.h_ddot -> aero.h_ddot
+structure.alpha -> aero.alpha
+structure.alpha_dot -> aero.alpha_dot
+structure.alpha_ddot -> aero.alpha_ddot
+aero.lift -> structure.lift
+aero.moment -> structure.moment
+"""
+NEEDED = ("structure", "aero")
+
+
+def find_fmus(folder: Path) -> dict[str, Path]:
+    """The FMU files of `folder` by component name. Raises AeroSloshError when one is missing."""
+    found = {name: folder / f"{name}.fmu" for name in NEEDED}
+    missing = [path.name for path in found.values() if not path.is_file()]
+    if missing:
+        raise AeroSloshError(
+            f"FMU missing: {', '.join(missing)}",
+            str(folder),
+            "build the FMUs with `make fmus`, or name their folder with --fmus DIR or AEROSLOSH_FMUS",
+        )
+    return found
+
+
+class FlutterRig:
+    """Structure and aero FMU at one Mach number. Use as a context manager.
+
+    `start(V_f)` makes the structure of that V_f and rewinds the aero FMU to its steady flow: what a march
+    begins with.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        fmus: dict[str, Path],
+        mach: float,
+        field_folder: Path | None = None,
+        say: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self.case, self.mach = case, mach
+        self.structure = Component(fmus["structure"], "structure")
+        self.aero = Component(fmus["aero"], "aero")
+        self.system = System([self.structure, self.aero], wires(WIRES))
+        self._steady: tuple[Any, float] | None = None
+        say(f"steady flow at Mach {mach:g}")
+        try:
+            self._solve_steady(field_folder)
+        except BaseException:
+            self.close()
+            raise
+        self.steady_cpu = self.aero.cpu
+
+    def __enter__(self) -> FlutterRig:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def start(self, V_f: float) -> Scales:
+        """Ready the FMUs for a march at `V_f`: aero at its steady flow, a new structure at rest in trim."""
+        case, s = self.case, scales(self.case, self.mach, V_f)
+        if self._steady is None:
+            raise AeroSloshError("The rig is closed", "FlutterRig.start", "open a new one")
+        self.aero.rewind(self._steady)
+        if self.structure.state != "instantiated":
+            self.structure.restart()
+        lift, moment = self.aero.get("lift"), self.aero.get("moment")
+        flutter = case.flutter
+        self.structure.set_all(
+            {
+                "mass": s.mass,
+                "static_imbalance": s.static_imbalance,
+                "inertia": s.inertia,
+                "omega_h": s.omega_h,
+                "omega_alpha": s.omega_alpha,
+                "damping_ratio_h": case.section.damping_ratio_h,
+                "damping_ratio_alpha": case.section.damping_ratio_alpha,
+                "forced_amplitude": math.radians(flutter.forced_amplitude_deg),
+                "forced_frequency": flutter.forced_frequency * s.omega_alpha,
+                "forced_cycles": flutter.forced_cycles,
+                "forced_ramp_cycles": min(flutter.forced_ramp_cycles, flutter.forced_cycles),
+                "initial_alpha_dot": flutter.initial_alpha_dot * s.omega_alpha,
+                "trim_lift": lift,
+                "trim_moment": moment,
+                "lift": lift,
+                "moment": moment,
+            }
+        )
+        self.system.initialize()
+        return s
+
+    def close(self) -> None:
+        """Free the instances."""
+        if self._steady is not None:
+            self.aero.free(self._steady)
+            self._steady = None
+        self.system.close()
+
+    def _solve_steady(self, field_folder: Path | None) -> None:
+        """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""
+        case, aero = self.case, self.aero
+        values: dict[str, float | int | str] = {
+            "mach": self.mach,
+            "mean_alpha": math.radians(case.flow.mean_alpha_deg),
+            "chord": case.section.chord,
+            "elastic_axis": case.section.elastic_axis,
+            "static_pressure": case.flow.static_pressure,
+            "static_temperature": case.flow.static_temperature,
+            "airfoil": case.flow.airfoil,
+            "cells_around": case.aero.cells_around,
+            "cells_normal": case.aero.cells_normal,
+            "farfield_chords": case.aero.farfield_chords,
+        }
+        values |= {
+            name: value
+            for name in ("tolerance", "max_subiterations")
+            if (value := getattr(case.aero, name)) != "auto"
+        }
+        if field_folder is not None:
+            values["field_folder"] = str(field_folder)
+        aero.set_all(values)
+        aero.initialize()
+        if "converged" in aero.variables and not aero.get("converged"):
+            raise AeroSloshError(
+                f"The steady flow at Mach {self.mach:g} did not converge "
+                f"(residual {aero.get('residual'):.1e})",
+                str(aero.path),
+                "an unconverged start ruins the damping: change aero.cells_around or aero.tolerance",
+            )
+        self._steady = aero.save()

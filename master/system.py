@@ -1,0 +1,233 @@
+"""Components and the wires between their Real outputs and inputs; everything is checked before anything
+runs."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from master.component import Component
+from master.errors import AeroSloshError
+
+RENAMED = {"": "1", None: "1", "-": "1"}  # ways of writing "no unit"
+
+
+@dataclass(frozen=True)
+class Wire:
+    """`source` and `target` are "component.variable"."""
+
+    source: str
+    target: str
+
+    def __str__(self) -> str:
+        return f"{self.source} -> {self.target}"
+
+
+def wires(text: str | Iterable[str]) -> list[Wire]:
+    """Wires from lines like "structure.alpha -> aero.alpha"."""
+    found = []
+    for line in text.strip().splitlines() if isinstance(text, str) else text:
+        source, arrow, target = (part.strip() for part in line.partition("->"))
+        if not arrow or source.count(".") < 1 or target.count(".") < 1:
+            raise AeroSloshError(
+                f"'{line.strip()}' is no wire", "wiring", "write: structure.alpha -> aero.alpha"
+            )
+        found.append(Wire(source, target))
+    return found
+
+
+class System:
+    """Components stepped in the order given, and their wires.
+
+    values   all Real outputs of all components, one after the other. Shape: (n_outputs,)
+    lagged   positions in `wires` whose source is stepped after (or is) the target: the schemes must
+             predict these
+    loops    each algebraic loop found, as the names along it (direct feed-through by the model descriptions)
+    Raises AeroSloshError when a wire's ends do not exist, do not fit, or an input is wired twice.
+    """
+
+    def __init__(self, components: Sequence[Component], connections: Sequence[Wire]) -> None:
+        self.components = list(components)
+        names = [c.name for c in components]
+        if len(set(names)) != len(names):
+            raise AeroSloshError(
+                f"Two components have the same name: {names}", "system", "name each component once"
+            )
+        self._by_name = {c.name: c for c in components}
+        self.wires = list(connections)
+        self._check()
+        offsets = np.cumsum([0] + [len(c.outputs.names) for c in components])
+        self._slices = [slice(offsets[i], offsets[i + 1]) for i in range(len(components))]
+        self.values = np.zeros(int(offsets[-1]))
+        self._source = np.empty(len(self.wires), dtype=np.intp)  # position in `values`
+        self.lagged: list[int] = []
+        self._incoming: list[tuple[np.ndarray, np.ndarray]] = []  # per component: wires, input positions
+        place = {name: i for i, name in enumerate(names)}
+        for k, wire in enumerate(self.wires):
+            (a, x), (b, _) = self._ends(wire)
+            self._source[k] = offsets[place[a]] + self._by_name[a].output_index[x]
+            if place[a] >= place[b]:
+                self.lagged.append(k)
+        for component in components:
+            mine = [k for k, w in enumerate(self.wires) if self._ends(w)[1][0] == component.name]
+            inputs = [component.input_index[self._ends(self.wires[k])[1][1]] for k in mine]
+            self._incoming.append((np.array(mine, dtype=np.intp), np.array(inputs, dtype=np.intp)))
+        self.lagged_array = np.array(self.lagged, dtype=np.intp)
+        self.loops = self._find_loops()
+
+    def __getitem__(self, name: str) -> Component:
+        return self._by_name[name]
+
+    def initialize(self, start_time: float = 0.0) -> None:
+        """Initialise every component not yet initialised, with consistent initial inputs along the wires.
+
+        Components already initialised keep their state. The exchange is repeated once per component, so
+        that a chain of direct feed-through settles.
+        """
+        fresh = [c for c in self.components if c.state == "instantiated"]
+        for component in fresh:
+            component.enter_initialization(start_time)
+        for _ in range(len(fresh) if fresh else 0):
+            self.collect()
+            for i, component in enumerate(self.components):
+                if component in fresh:
+                    self.feed(i, self.wire_values())
+                    component.inputs.set()
+        for component in fresh:
+            component.exit_initialization()
+        self.collect()
+        for i in range(len(self.components)):
+            self.feed(i, self.wire_values())
+
+    def collect(self) -> None:
+        """Read the outputs of all components into `values`."""
+        for component, part in zip(self.components, self._slices, strict=True):
+            component.outputs.get()
+            self.values[part] = component.outputs.values
+
+    def wire_values(self) -> np.ndarray:
+        """What each wire carries now. Shape: (n_wires,)."""
+        return self.values[self._source]
+
+    def feed(self, i: int, carried: np.ndarray) -> None:
+        """Put `carried` (one value a wire) into the input buffer of component `i`."""
+        mine, inputs = self._incoming[i]
+        self.components[i].inputs.values[inputs] = carried[mine]
+
+    def step_component(self, i: int, dt: float) -> None:
+        """Step component `i` with the inputs fed, and take its outputs into `values`."""
+        component = self.components[i]
+        component.step(dt)
+        self.values[self._slices[i]] = component.outputs.values
+
+    def close(self) -> None:
+        """Free all instances."""
+        for component in self.components:
+            component.close()
+
+    # checks
+
+    def _ends(self, wire: Wire) -> tuple[tuple[str, str], tuple[str, str]]:
+        a, _, x = wire.source.partition(".")
+        b, _, y = wire.target.partition(".")
+        return (a, x), (b, y)
+
+    def _check(self) -> None:
+        wired: dict[str, Wire] = {}
+        for wire in self.wires:
+            for end, causality in zip(self._ends(wire), ("output", "input"), strict=True):
+                self._check_end(wire, end, causality)
+            (a, x), (b, y) = self._ends(wire)
+            here, there = self._by_name[a].variables[x], self._by_name[b].variables[y]
+            units = [RENAMED.get(v.unit, v.unit) for v in (here, there)]
+            if units[0] != units[1]:
+                raise AeroSloshError(
+                    f"Units differ: {wire.source} is in {units[0]}, {wire.target} in {units[1]}",
+                    f"wire {wire}",
+                    "wire variables of the same unit; the master converts nothing silently",
+                )
+            if wire.target in wired:
+                raise AeroSloshError(
+                    f"Input {wire.target} is wired twice",
+                    f"wires {wired[wire.target]} and {wire}",
+                    "keep one of them",
+                )
+            wired[wire.target] = wire
+
+    def _check_end(self, wire: Wire, end: tuple[str, str], causality: str) -> None:
+        component, variable = end
+        if component not in self._by_name:
+            raise AeroSloshError(
+                f"There is no component '{component}'",
+                f"wire {wire}",
+                f"components are: {', '.join(self._by_name)}",
+            )
+        known = self._by_name[component].variables
+        if variable not in known:
+            close = difflib.get_close_matches(variable, list(known), n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
+            names = ", ".join(n for n, v in known.items() if v.causality == causality)
+            raise AeroSloshError(
+                f"{component} has no variable '{variable}'",
+                f"wire {wire}",
+                f"{hint}({causality}s are: {names})",
+            )
+        if known[variable].causality != causality:
+            raise AeroSloshError(
+                f"{component}.{variable} is a {known[variable].causality}, not an {causality}",
+                f"wire {wire}",
+                "a wire goes from an output to an input",
+            )
+        if known[variable].type != "Real":
+            raise AeroSloshError(
+                f"{component}.{variable} is of type {known[variable].type}",
+                f"wire {wire}",
+                "wires carry Real variables",
+            )
+
+    def _find_loops(self) -> list[list[str]]:
+        """Loops of direct feed-through: wires, and input → output where the model structure lists the
+        dependency."""
+        edges: dict[str, list[str]] = {}
+        for wire in self.wires:
+            edges.setdefault(wire.source, []).append(wire.target)
+        for component in self.components:
+            for unknown in component.description.outputs:
+                for dependency in unknown.dependencies or []:
+                    if dependency.causality == "input":
+                        start = f"{component.name}.{dependency.name}"
+                        edges.setdefault(start, []).append(f"{component.name}.{unknown.variable.name}")
+        return [members for members in _strongly_connected(edges) if len(members) > 1]
+
+
+def _strongly_connected(edges: dict[str, list[str]]) -> list[list[str]]:
+    """Tarjan's algorithm (SIAM J. Comput. 1(2), 1972, doi 10.1137/0201010), recursive: systems are small."""
+    index: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(node: str) -> None:
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in edges.get(node, []):
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            members = []
+            while True:
+                members.append(stack.pop())
+                if members[-1] == node:
+                    break
+            found.append(members[::-1])
+
+    for node in list(edges):
+        if node not in index:
+            visit(node)
+    return found

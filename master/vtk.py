@@ -1,0 +1,54 @@
+"""Reads the flow fields that the aero FMU writes: VTK XML structured grids (.vts), inline base64, no
+compression."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from master.errors import AeroSloshError
+
+TYPES = {"Float32": "f4", "Float64": "f8", "Int32": "i4", "Int64": "i8"}
+
+
+@dataclass(frozen=True)
+class Field:
+    """x, y: nodes, shape (nj + 1, ni + 1), i around the airfoil and j = 0 on it. cells: name → (nj, ni[,
+    3])."""
+
+    x: np.ndarray
+    y: np.ndarray
+    cells: dict[str, np.ndarray]
+
+
+def read(path: Path) -> Field:
+    """The field of one file. Raises AeroSloshError when it is not such a file."""
+    try:
+        root = ElementTree.parse(path).getroot()
+        extent = [int(v) for v in root.find("StructuredGrid").attrib["WholeExtent"].split()]  # type: ignore[union-attr]
+        ni, nj = extent[1] - extent[0], extent[3] - extent[2]
+        header = {"UInt64": 8, "UInt32": 4}[root.attrib.get("header_type", "UInt32")]
+        order = "<" if root.attrib.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
+        points = _array(root.find(".//Points/DataArray"), header, order).reshape(nj + 1, ni + 1, 3)
+        cells = {}
+        for element in root.findall(".//CellData/DataArray"):
+            values = _array(element, header, order)
+            shape = (nj, ni) if values.size == ni * nj else (nj, ni, -1)
+            cells[element.attrib["Name"]] = values.reshape(shape)
+    except (ElementTree.ParseError, AttributeError, KeyError, ValueError, OSError) as error:
+        raise AeroSloshError(
+            f"The field file cannot be read: {error}", str(path), "rebuild the FMUs: make fmus"
+        ) from None
+    return Field(points[..., 0], points[..., 1], cells)
+
+
+def _array(element: ElementTree.Element | None, header: int, order: str) -> np.ndarray:
+    """A DataArray's values: base64 of a byte count and the raw numbers."""
+    if element is None or element.attrib.get("format") != "binary":
+        raise ValueError('a DataArray with format="binary" is missing')
+    raw = base64.b64decode("".join((element.text or "").split()))
+    return np.frombuffer(raw[header:], dtype=order + TYPES[element.attrib["type"]]).astype(float)

@@ -1,0 +1,262 @@
+"""A small host: `python host.py <scenario> <json arguments>` runs FMUs through FMPy and prints JSON.
+
+Each scenario has a process of its own, so that a crash is seen as a crash, and ends with `os._exit`
+(pythonfmu 0.7 releases its interpreter state twice at process exit).
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import sys
+import tempfile
+from ctypes import byref
+from typing import Any
+
+import fmpy
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.logging import addLoggerProxy
+
+LOG: list[tuple[int, str, str]] = []
+
+
+class Instance:
+    """One FMU instance with variables by name."""
+
+    def __init__(self, path: str, name: str = "test", folder: str | None = None) -> None:
+        if folder is None:
+            folder = tempfile.mkdtemp(prefix="fmu_")
+            fmpy.extract(path, folder)
+        self.folder = folder
+        description = fmpy.read_model_description(folder)
+        self.variables = {v.name: v for v in description.modelVariables}
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=folder,
+            instanceName=name,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+        )
+        self.callbacks = fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(
+            lambda _env, _name, status, category, message: LOG.append(
+                (status, category.decode(), message.decode())
+            )
+        )
+        self.callbacks.allocateMemory = fmpy.fmi2.defaultCallbacks.allocateMemory
+        self.callbacks.freeMemory = fmpy.fmi2.defaultCallbacks.freeMemory
+        addLoggerProxy(byref(self.callbacks))
+        self.fmu.instantiate(callbacks=self.callbacks, loggingOn=True)
+
+    def __getitem__(self, name: str) -> Any:
+        variable = self.variables[name]
+        reference = [variable.valueReference]
+        if variable.type == "Real":
+            return self.fmu.getReal(reference)[0]
+        if variable.type == "Boolean":
+            return bool(self.fmu.getBoolean(reference)[0])
+        if variable.type == "String":
+            return self.fmu.getString(reference)[0].decode()
+        return self.fmu.getInteger(reference)[0]
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        variable = self.variables[name]
+        reference = [variable.valueReference]
+        setter = {"Real": self.fmu.setReal, "Boolean": self.fmu.setBoolean, "String": self.fmu.setString}.get(
+            variable.type, self.fmu.setInteger
+        )
+        setter(reference, [value])
+
+    def start(self, **values: Any) -> Instance:
+        """Set `values`, go through initialisation."""
+        for name, value in values.items():
+            self[name] = value
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        return self
+
+    def step(self, time: float, step_size: float) -> int:
+        """Step and return the FMI status."""
+        try:
+            self.fmu.doStep(time, step_size)
+        except FMICallException as error:
+            return int(error.status)
+        return 0
+
+
+def fault(path: str, kind: int) -> Any:
+    """Fail in a step, collect garbage, be told, recover by a state, step again."""
+    one = Instance(path).start()
+    one["u"] = 1.0
+    statuses = [one.step(0.0, 0.1)]
+    good = one.fmu.getFMUstate()
+    bad = Instance(path).start(fault=kind)
+    after_start = bad["failed"]
+    bad_statuses = [bad.step(0.0, 0.1), bad.step(0.1, 0.1)]
+    gc.collect()
+    seen = {"failed": bad["failed"], "error": bad["error"], "y": bad["y"], "after_start": after_start}
+    bad.fmu.setFMUstate(good)
+    recovered = {"failed": bad["failed"], "error": bad["error"], "y": bad["y"]}
+    bad["u"] = 1.0
+    bad_statuses.append(bad.step(0.1, 0.1))
+    recovered["next"] = bad["y"]
+    for _ in range(3):
+        gc.collect()
+    one.fmu.freeInstance()
+    bad.fmu.freeInstance()
+    gc.collect()
+    return {"good": statuses, "bad": bad_statuses, "seen": seen, "recovered": recovered, "log": LOG}
+
+
+def state_faults(path: str, kind: int) -> Any:
+    """Take, restore and serialise a state with a face that fails in it."""
+    one = Instance(path).start(fault=kind)
+    one.step(0.0, 0.1)
+    state = one.fmu.getFMUstate()
+    data = one.fmu.serializeFMUstate(state)
+    again = one.fmu.deSerializeFMUstate(data)
+    one.fmu.setFMUstate(again)
+    return {"failed": one["failed"], "error": one["error"], "status": one.step(0.1, 0.1)}
+
+
+def refused(path: str) -> Any:
+    """Set values that must be refused, before and after the start."""
+    result: dict[str, Any] = {}
+    for name, value in (
+        ("gain", 9.0),
+        ("gain", float("nan")),
+        ("count", 7),
+        ("fault", 99),
+        ("u", float("inf")),
+        ("y", 1.0),
+    ):
+        one = Instance(path)
+        one[name] = value
+        before = one["error"]
+        one.start()
+        result[f"{name}={value}"] = [before, one["failed"], one["error"], one.step(0.0, 0.1), str(one["y"])]
+    one = Instance(path).start()
+    one["u"] = float("nan")
+    result["input"] = [one["u"], one.step(0.0, 0.1), one["error"]]
+    one["u"] = 1.0
+    result["input again"] = [one.step(0.0, 0.1), one["failed"], one["y"]]
+    one["gain"] = 3.0
+    result["late"] = [one.step(0.1, 0.1), one["error"]]
+    result["numbers"] = [one["gain"], one["count"], one["label"]]
+    return result
+
+
+def many(path: str, count: int) -> Any:
+    """Instantiate, run and free many times."""
+    folder = None
+    for i in range(count):
+        one = Instance(path, f"i{i}", folder).start()
+        folder = one.folder
+        assert one.step(0.0, 0.1) == 0
+        one.fmu.terminate()
+        one.fmu.freeInstance()
+    gc.collect()
+    return count
+
+
+def two_versions(first: str, second: str) -> Any:
+    """Run two versions of one FMU in one process."""
+    one, two = Instance(first, "one").start(), Instance(second, "two").start()
+    for instance in (one, two, one, two):
+        instance["u"] = 1.0
+    one.step(0.0, 0.1)
+    two.step(0.0, 0.1)
+    state = one.fmu.getFMUstate()
+    data = one.fmu.serializeFMUstate(state)
+    two.fmu.setFMUstate(two.fmu.deSerializeFMUstate(data))
+    return {"y": [one["y"]], "failed": two["failed"], "error": two["error"]}
+
+
+def reset(path: str) -> Any:
+    """Fail, reset, run again."""
+    one = Instance(path).start(fault=1)
+    statuses = [one.step(0.0, 0.1)]
+    one.fmu.reset()
+    one.start()
+    one["u"] = 1.0
+    statuses.append(one.step(0.0, 0.1))
+    return {"statuses": statuses, "y": one["y"], "failed": one["failed"]}
+
+
+def kernels(path: str) -> Any:
+    """Run a compiled kernel from a fresh unzip folder."""
+    one = Instance(path).start()
+    return {"y": one["y"], "hits": one["hits"], "misses": one["misses"], "error": one["error"]}
+
+
+LOADS = ("lift", "moment", "slosh_force_y", "slosh_moment")
+MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot", "energy")
+STEP = 1.3e-3
+
+
+def _drive(wing: Instance, first: int, last: int) -> list[list[str]]:
+    rows = []
+    for i in range(first, last):
+        for k, name in enumerate(LOADS):
+            wing[name] = 500.0 * (k + 1) * ((i * 7919 + k) % 13 - 6)
+        assert wing.step(i * STEP, STEP) == 0, wing["error"]
+        rows.append([wing[name].hex() for name in MOTION])
+    return rows
+
+
+WING = {"forced_cycles": 0.75, "forced_amplitude": 0.02, "load_prediction": 1, "damping_ratio_h": 0.01}
+
+
+def rollback(path: str) -> Any:
+    """Run, go back, run again; hand out the state in bytes. The release lies between."""
+    wing = Instance(path).start(**WING)
+    before = _drive(wing, 0, 20)
+    state = wing.fmu.getFMUstate()
+    data = wing.fmu.serializeFMUstate(state)
+    first = _drive(wing, 20, 60)
+    wing.fmu.setFMUstate(state)
+    second = _drive(wing, 20, 60)
+    wing.fmu.freeFMUstate(state)
+    return {
+        "before": before,
+        "first": first,
+        "second": second,
+        "released": wing["released"],
+        "state": data.hex(),
+    }
+
+
+def resume(path: str, data: str) -> Any:
+    """Continue from bytes in a new process, in an instance that was never started with these parameters."""
+    wing = Instance(path).start()
+    state = wing.fmu.deSerializeFMUstate(bytes.fromhex(data))
+    wing.fmu.setFMUstate(state)
+    assert not wing["failed"], wing["error"]
+    return _drive(wing, 20, 60)
+
+
+def damaged(path: str, data: str) -> Any:
+    """Restore damaged bytes."""
+    wing = Instance(path).start()
+    raw = bytearray(bytes.fromhex(data))
+    raw[len(raw) // 2] ^= 1
+    wing.fmu.setFMUstate(wing.fmu.deSerializeFMUstate(bytes(raw)))
+    return {"failed": wing["failed"], "error": wing["error"], "h": str(wing["h"])}
+
+
+def free_decay(path: str, start: dict[str, float], step_size: float, steps: int) -> Any:
+    """Free motion from `start`; returns h and alpha after each step."""
+    wing = Instance(path).start(**start)
+    rows = [[wing["h"], wing["alpha"]]]
+    for i in range(steps):
+        assert wing.step(i * step_size, step_size) == 0, wing["error"]
+        rows.append([wing["h"], wing["alpha"]])
+    return rows
+
+
+if __name__ == "__main__":
+    answer = globals()[sys.argv[1]](*json.loads(sys.argv[2]))
+    print("\n" + json.dumps(answer), flush=True)
+    os._exit(0)
