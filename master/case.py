@@ -44,9 +44,7 @@ class Section:
     """The two-degree-of-freedom section, dimensionless (Isogai case A by default)."""
 
     chord: float = key(1.0, "chord c = 2b", "m", above=0.0)
-    elastic_axis: float = key(
-        -0.5, "elastic axis x/c, aft of the leading edge positive", low=-10.0, high=10.0
-    )
+    elastic_axis: float = key(-0.5, "elastic axis x/c, aft of the leading edge positive", low=-10.0, high=10.0)
     x_alpha: float = key(1.8, "centre of mass aft of the elastic axis / b", low=-20.0, high=20.0)
     r2_alpha: float = key(3.48, "radius of gyration about the elastic axis, squared / b^2", above=0.0)
     frequency_ratio: float = key(1.0, "omega_h / omega_alpha (uncoupled)", low=0.0, high=100.0)
@@ -64,9 +62,7 @@ class Flow:
     static_pressure: float = key(101325.0, "freestream static pressure", "Pa", above=0.0)
     static_temperature: float = key(288.15, "freestream static temperature", "K", above=0.0)
     airfoil: str = key("NACA 64A010", "a NACA 4-digit or 6A name, or a coordinate file")
-    mean_alpha_deg: float = key(
-        0.0, "mean angle of attack; its steady load is trimmed out", "deg", low=-10.0, high=10.0
-    )
+    mean_alpha_deg: float = key(0.0, "mean angle of attack; its steady load is trimmed out", "deg", low=-10.0, high=10.0)
 
 
 @dataclass
@@ -89,9 +85,7 @@ class Flutter:
     forced_amplitude_deg: float = key(1.0, "amplitude of the forced pitch", "deg", low=0.0, high=20.0)
     forced_frequency: float = key(1.0, "forced frequency / omega_alpha", above=0.0)
     forced_cycles: float = key(2.0, "forced periods; 0 starts free", "cycles", low=0.0, high=100.0)
-    forced_ramp_cycles: float = key(
-        1.0, "forced periods in which the amplitude grows", "cycles", low=0.0, high=100.0
-    )
+    forced_ramp_cycles: float = key(1.0, "forced periods in which the amplitude grows", "cycles", low=0.0, high=100.0)
     free_cycles: float = key(5.0, "free periods after release", "cycles", low=1.5, high=1000.0)
     steps_per_cycle: int | str = key(
         "auto",
@@ -100,13 +94,9 @@ class Flutter:
         high=100000,
         choices=["auto"],
     )
-    initial_alpha_dot: float = key(
-        0.0, "initial pitch rate / omega_alpha (starts without forcing)", "rad", low=-1, high=1
-    )
+    initial_alpha_dot: float = key(0.0, "initial pitch rate / omega_alpha (starts without forcing)", "rad", low=-1, high=1)
     max_alpha_deg: float = key(20.0, "the march ends when |alpha| exceeds this", "deg", above=0.0, high=90.0)
-    neutral_band: float = key(
-        5e-4, "|growth rate| / omega_alpha below this is called neutral", low=0.0, high=0.1
-    )
+    neutral_band: float = key(5e-4, "|growth rate| / omega_alpha below this is called neutral", low=0.0, high=0.1)
 
 
 @dataclass
@@ -123,9 +113,7 @@ class Coupling:
 class Boundary:
     """The search for neutral V_f at each Mach number."""
 
-    mach: list[float] = field(
-        default_factory=lambda: [0.80, 0.825, 0.85], metadata=rule("Mach numbers", low=0.05, high=1.3)
-    )
+    mach: list[float] = field(default_factory=lambda: [0.80, 0.825, 0.85], metadata=rule("Mach numbers", low=0.05, high=1.3))
     V_f_range: list[float] = field(
         default_factory=lambda: [0.2, 3.0],
         metadata=rule("V_f is searched in this range", low=0.01, high=50.0),
@@ -146,9 +134,7 @@ class Output:
     """What a run writes."""
 
     pictures: bool = key(True, "PNG pictures")
-    fields: bool = key(
-        True, "four flow fields of the last free period (VTK files, for the Mach picture and ParaView)"
-    )
+    fields: bool = key(True, "four flow fields of the last free period (VTK files, for the Mach picture and ParaView)")
 
 
 @dataclass
@@ -166,9 +152,7 @@ class Case:
     output: Output = field(default_factory=Output)
 
 
-TABLES: dict[str, Any] = {
-    name: hint for name, hint in typing.get_type_hints(Case).items() if dataclasses.is_dataclass(hint)
-}
+TABLES: dict[str, Any] = {name: hint for name, hint in typing.get_type_hints(Case).items() if dataclasses.is_dataclass(hint)}
 
 
 def load(path: Path, overrides: Sequence[str] = ()) -> Case:
@@ -187,23 +171,17 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Case:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise AeroSloshError(
-            f"The case file is not valid TOML: {error}", str(path), "correct the line named"
-        ) from None
+        raise AeroSloshError(f"The case file is not valid TOML: {error}", str(path), "correct the line named") from None
     lines = toml_text.line_numbers(text)
     case = Case(name=path.stem)
     for table, content in data.items():
         where = f"{path}, line {lines.get((table, ''), lines.get(('', table), 1))}"
         if table not in TABLES:
-            raise AeroSloshError(
-                f"Unknown table [{table}]", where, _nearest(table, list(TABLES), "the tables are")
-            )
+            raise AeroSloshError(f"Unknown table [{table}]", where, _nearest(table, list(TABLES), "the tables are"))
         if not isinstance(content, dict):
             raise AeroSloshError(f"'{table}' is a table", where, f"write [{table}] with keys below it")
         for name, value in content.items():
-            _assign(
-                case, table, name, value, f"{path}, line {lines.get((table, name), '?')}, key {table}.{name}"
-            )
+            _assign(case, table, name, value, f"{path}, line {lines.get((table, name), '?')}, key {table}.{name}")
     for override in overrides:
         _override(case, override)  # checked together at the end: two overrides may belong together
     _check_together(case, str(path))
@@ -222,13 +200,9 @@ def _override(case: Case, override: str) -> None:
     table, dot, name = dotted.strip().partition(".")
     where = f"--set {override}"
     if not (equals and dot and table and name):
-        raise AeroSloshError(
-            "An override has the form section.key=value", where, "for instance --set flow.mach=0.8"
-        )
+        raise AeroSloshError("An override has the form section.key=value", where, "for instance --set flow.mach=0.8")
     if table not in TABLES:
-        raise AeroSloshError(
-            f"Unknown table '{table}'", where, _nearest(table, list(TABLES), "the tables are")
-        )
+        raise AeroSloshError(f"Unknown table '{table}'", where, _nearest(table, list(TABLES), "the tables are"))
     try:
         value = tomllib.loads(f"value = {text.strip()}")["value"]
     except tomllib.TOMLDecodeError:
@@ -287,15 +261,9 @@ def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
             raise AeroSloshError(f'{name} = "{value}" is not available', where, remedy)
     elif not isinstance(value, bool):
         low, high, above = rule["low"], rule["high"], rule["above"]
-        inside = (
-            (low is None or value >= low)
-            and (high is None or value <= high)
-            and (above is None or value > above)
-        )
+        inside = (low is None or value >= low) and (high is None or value <= high) and (above is None or value > above)
         if not inside or value != value or value in (float("inf"), float("-inf")):
-            raise AeroSloshError(
-                f"{name} = {value!r} is out of range ({rule['doc']})", where, f"give {_expected(kinds, rule)}"
-            )
+            raise AeroSloshError(f"{name} = {value!r} is out of range ({rule['doc']})", where, f"give {_expected(kinds, rule)}")
     return value
 
 
@@ -320,8 +288,7 @@ def _check_together(case: Case, where: str) -> None:
     s, f, b = case.section, case.flutter, case.boundary
     if s.r2_alpha <= s.x_alpha**2:
         raise AeroSloshError(
-            f"section.r2_alpha = {s.r2_alpha:g} is not above x_alpha^2 = {s.x_alpha**2:g}: "
-            "the mass matrix is not positive",
+            f"section.r2_alpha = {s.r2_alpha:g} is not above x_alpha^2 = {s.x_alpha**2:g}: the mass matrix is not positive",
             where,
             "the radius of gyration is about the elastic axis: r2_alpha = x_alpha^2 + (r_cg/b)^2",
         )
@@ -340,9 +307,7 @@ def _check_together(case: Case, where: str) -> None:
     if f.forced_cycles > 0.0 and f.forced_amplitude_deg == 0.0:
         raise AeroSloshError("flutter.forced_amplitude_deg is 0", where, "give an amplitude, for instance 1")
     if len(b.V_f_range) != 2 or b.V_f_range[0] >= b.V_f_range[1]:
-        raise AeroSloshError(
-            f"boundary.V_f_range = {b.V_f_range} is not [low, high]", where, "write V_f_range = [0.2, 3.0]"
-        )
+        raise AeroSloshError(f"boundary.V_f_range = {b.V_f_range} is not [low, high]", where, "write V_f_range = [0.2, 3.0]")
 
 
 def _nearest(name: str, known: list[str], lead: str) -> str:

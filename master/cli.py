@@ -83,9 +83,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return command(case, fmus, options, folder, progress)
 
 
-def point(
-    case: Case, fmus: dict[str, Path], options: argparse.Namespace, folder: RunFolder, progress: Progress
-) -> int:
+def point(case: Case, fmus: dict[str, Path], options: argparse.Namespace, folder: RunFolder, progress: Progress) -> int:
     """One march."""
     if options.mach is not None:
         cases.apply_override(case, f"flow.mach={options.mach!r}")
@@ -100,9 +98,7 @@ def point(
     with FlutterRig(case, fmus, mach, fields, lambda text: _say(text, folder, progress)) as rig:
         about = provenance({c.name: c.sha256 for c in rig.system.components})
         for loop in rig.system.loops:
-            folder.log(
-                f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}"
-            )
+            folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
         _say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
         progress.start(f"M {mach:g} V_f {V_f:.4g}")
         march = flutter.march(rig, V_f, fields, progress.watch)
@@ -141,11 +137,7 @@ def boundary_command(
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
             march = flutter.march(rig, V_f, None, progress.watch)
             fit = march.fit
-            rate = (
-                f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}"
-                if fit
-                else march.reason
-            )
+            rate = f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}" if fit else march.reason
             _say(f"  Mach {mach:g}, V_f {V_f:.4f}: {rate}, {march.cost.wall:.1f} s", folder, progress)
             _log_messages(rig, folder)
             return march
@@ -180,9 +172,7 @@ def boundary_command(
     if case.output.pictures:
         from master import plots
 
-        plots.boundary(
-            points, folder.path / "boundary.png", PUBLISHED if case.name.startswith("isogai_a") else None
-        )
+        plots.boundary(points, folder.path / "boundary.png", PUBLISHED if case.name.startswith("isogai_a") else None)
     folder.write_result(data | {"provenance": provenance(hashes)})
     summary = outcome.boundary_summary(rows)
     folder.log("\n" + summary)
@@ -216,17 +206,11 @@ def parser() -> argparse.ArgumentParser:
             sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
         else:
             sub.add_argument("--mach", type=float, metavar="M", nargs="+", help="instead of boundary.mach")
-        sub.add_argument(
-            "--vf", type=float, metavar="V", help="instead of flutter.V_f (boundary: where to start)"
-        )
+        sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f (boundary: where to start)")
         sub.add_argument("--slosh", metavar="MODEL", help="instead of slosh.model")
-        sub.add_argument(
-            "--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case"
-        )
+        sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case")
         sub.add_argument("--out", type=Path, metavar="DIR", help="run folder (default runs/<case>_<command>)")
-        sub.add_argument(
-            "--fmus", type=Path, metavar="DIR", default=_default_fmus(), help="folder of the FMUs"
-        )
+        sub.add_argument("--fmus", type=Path, metavar="DIR", default=_default_fmus(), help="folder of the FMUs")
         sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
         sub.add_argument("--quiet", action="store_true", help="no progress")
         sub.add_argument("--no-pictures", action="store_true", help="no pictures and no flow fields")

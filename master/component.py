@@ -43,9 +43,7 @@ class Group:
         n = max(1, len(self.names))  # ctypes arrays of length 0 have no numpy view
         self._count = len(self.names)
         self._component = component
-        self._references = (ctypes.c_uint * n)(
-            *(component.variables[name].valueReference for name in self.names)
-        )
+        self._references = (ctypes.c_uint * n)(*(component.variables[name].valueReference for name in self.names))
         self._buffer = (KINDS[kind] * n)()
         self.values = np.ctypeslib.as_array(self._buffer)[: self._count]
         suffix = "Integer" if kind == "Enumeration" else kind
@@ -81,9 +79,7 @@ class Component:
         try:
             self.description = fmpy.read_model_description(str(self.folder), validate=False)
         except Exception as error:  # FMPy raises bare Exceptions here
-            raise AeroSloshError(
-                f"{path.name} cannot be read: {error}", str(path), "give an FMI 2.0 FMU"
-            ) from None
+            raise AeroSloshError(f"{path.name} cannot be read: {error}", str(path), "give an FMI 2.0 FMU") from None
         simulation = self.description.coSimulation
         if not str(self.description.fmiVersion).startswith("2") or simulation is None:
             raise AeroSloshError(
@@ -113,18 +109,13 @@ class Component:
             ) from None
         self._instantiate()
         reals = {
-            c: [v.name for v in self.variables.values() if v.type == "Real" and v.causality == c]
-            for c in ("input", "output")
+            c: [v.name for v in self.variables.values() if v.type == "Real" and v.causality == c] for c in ("input", "output")
         }
         self.inputs = Group(self, reals["input"], "Real")
         self.outputs = Group(self, reals["output"], "Real")
         self.input_index = {n: i for i, n in enumerate(reals["input"])}
         self.output_index = {n: i for i, n in enumerate(reals["output"])}
-        whole = [
-            v.name
-            for v in self.variables.values()
-            if v.causality == "output" and v.type in ("Integer", "Enumeration")
-        ]
+        whole = [v.name for v in self.variables.values() if v.causality == "output" and v.type in ("Integer", "Enumeration")]
         truth = [v.name for v in self.variables.values() if v.causality == "output" and v.type == "Boolean"]
         self.whole, self.truth = Group(self, whole, "Integer"), Group(self, truth, "Boolean")
 
@@ -240,9 +231,7 @@ class Component:
         try:
             yield self._fmu
         except FMICallException as error:
-            raise self._failure(
-                f"{error.function} returned '{STATUS.get(error.status, error.status)}'", what
-            ) from None
+            raise self._failure(f"{error.function} returned '{STATUS.get(error.status, error.status)}'", what) from None
         finally:
             self.cpu += clock.process_time() - cpu
             self.wall += clock.perf_counter() - wall
@@ -279,9 +268,7 @@ class Component:
     def _make_callbacks(self) -> Any:
         """Callbacks whose logger keeps the messages; the object must live as long as the instance."""
 
-        def logger(
-            _environment: Any, _instance: bytes, status: int, _category: bytes, message: bytes
-        ) -> None:
+        def logger(_environment: Any, _instance: bytes, status: int, _category: bytes, message: bytes) -> None:
             self.messages.append((status, message.decode("utf-8", "replace") if message else ""))
 
         callbacks = fmi2.fmi2CallbackFunctions()

@@ -126,13 +126,7 @@ def local_rates(tau: np.ndarray, channels: np.ndarray, fit: Fit, parts: int = 2)
     for i, piece in enumerate(np.array_split(inside, parts)):
         y = channels[:, piece].astype(float)
         for mode in other:  # what the whole window says of the other modes is taken away first
-            y = (
-                y
-                - (
-                    mode.amplitudes[:, None]
-                    * np.exp((mode.growth_rate + 1j * mode.frequency) * (tau[piece] - fit.start))
-                ).real
-            )
+            y = y - (mode.amplitudes[:, None] * np.exp((mode.growth_rate + 1j * mode.frequency) * (tau[piece] - fit.start))).real
         spread = np.std(y, axis=1)
         if piece.size < 12 or not np.all(spread > 0.0):
             continue
@@ -166,11 +160,7 @@ def _best_order(tau: np.ndarray, z: np.ndarray) -> Solution | None:
     span = float(tau[-1] - tau[0])
     fits: list[Solution] = []
     for poles in pencil(float(tau[1] - tau[0]), z, MAX_MODES):
-        new = [
-            raw
-            for decays in (np.empty(0), np.array([-10.0 / span]))
-            if (raw := refine(tau, z, poles, decays)) is not None
-        ]
+        new = [raw for decays in (np.empty(0), np.array([-10.0 / span])) if (raw := refine(tau, z, poles, decays)) is not None]
         better = not fits or not new or min(r.score for r in new) < min(r.score for r in fits)
         fits += new
         if not better:
@@ -187,9 +177,7 @@ def _flutter_mode(raw: Solution) -> int:
     return int(counts[np.argmax(raw.poles[counts, 0])])
 
 
-def _sensitivity(
-    tau: np.ndarray, z: np.ndarray, base: Solution, start: int, k: int
-) -> tuple[np.ndarray, dict[str, float]]:
+def _sensitivity(tau: np.ndarray, z: np.ndarray, base: Solution, start: int, k: int) -> tuple[np.ndarray, dict[str, float]]:
     """What window and order change in (sigma, omega) of mode k beyond noise: (2,), and the parts for sigma.
 
     A sub-window's estimate scatters about the whole window's with variance var_sub − var_whole when only
@@ -201,9 +189,7 @@ def _sensitivity(
     trials: dict[str, Solution | None] = {}
     if tau.size - start - cycle >= max(24, round(1.5 * cycle)):
         trials["first_cycle"] = refine(tau[start + cycle :], z[:, start + cycle :], base.poles, base.decays)
-        trials["last_cycle"] = refine(
-            tau[start : tau.size - cycle], z[:, start : tau.size - cycle], base.poles, base.decays
-        )
+        trials["last_cycle"] = refine(tau[start : tau.size - cycle], z[:, start : tau.size - cycle], base.poles, base.decays)
     larger = len(base.poles) + 1
     for more in pencil(float(tau[1] - tau[0]), z[:, start:], larger):
         if len(more) == larger:

@@ -44,8 +44,6 @@ class ComponentError(AeroSloshError):
     """An FMU failed. `component` is its name, `time` [s] the start of the step, `traceback` what its log
     said."""
 
-    def __init__(
-        self, what: str, where: str, remedy: str, component: str, time: float, traceback: str
-    ) -> None:
+    def __init__(self, what: str, where: str, remedy: str, component: str, time: float, traceback: str) -> None:
         self.component, self.time, self.traceback = component, time, traceback
         super().__init__(what, where, remedy, ExitCode.COMPONENT)

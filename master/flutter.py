@@ -82,9 +82,7 @@ class March:
         return np.vstack([self.history["h_over_b"], self.history["alpha"]])[:, self.release :]
 
 
-def march(
-    rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: Watcher | None = None
-) -> March:
+def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: Watcher | None = None) -> March:
     """March `rig` at `V_f`. A failing component ends the march: the history so far is kept and judged.
 
     `field_folder`: where the rig's aero FMU writes flow fields; four instants of the last free period are
@@ -105,9 +103,7 @@ def march(
     steps = release + round(flutter.free_cycles * s.steps_per_cycle)
     history = _History(rig, steps + 1)
     history.take(0)
-    instants = (
-        {steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)} if field_folder else set()
-    )
+    instants = {steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)} if field_folder else set()
     unconverged = {"coupling": 0, "aero": 0}
     failure, stopped, done = None, "", 0
     limit = math.radians(flutter.max_alpha_deg)
@@ -160,9 +156,7 @@ def _conclude(result: March, neutral_band: float) -> None:
     """Fit and verdict of the free part, if there is enough of it."""
     if result.tau.size - result.release >= result.scales.steps_per_cycle:
         result.fit = analyse(result.tau[result.release :], result.free)
-        result.verdict, result.reason = judge(
-            result.tau[result.release :], result.free, result.fit, neutral_band
-        )
+        result.verdict, result.reason = judge(result.tau[result.release :], result.free, result.fit, neutral_band)
     else:
         result.reason = "the free response is shorter than one period"
     if result.unconverged["coupling"] > 0.05 * max(1, result.cost.steps):

@@ -45,9 +45,7 @@ def cache_root() -> Path:
     root = Path(tempfile.gettempdir()) / f"aeroslosh-{uid}" / "fmus"
     root.mkdir(parents=True, exist_ok=True, mode=0o700)
     if hasattr(os, "getuid") and root.stat().st_uid != uid:
-        raise AeroSloshError(
-            "The folder for unzipped FMUs belongs to another user", str(root), "set XDG_CACHE_HOME"
-        )
+        raise AeroSloshError("The folder for unzipped FMUs belongs to another user", str(root), "set XDG_CACHE_HOME")
     return root
 
 
@@ -68,16 +66,12 @@ def unzip(path: Path) -> tuple[Path, str]:
         with zipfile.ZipFile(path) as archive:
             archive.extractall(part)
         if not (part / "modelDescription.xml").is_file():
-            raise AeroSloshError(
-                f"{path.name} holds no modelDescription.xml", str(path), "give an FMI 2.0 FMU"
-            )
+            raise AeroSloshError(f"{path.name} holds no modelDescription.xml", str(path), "give an FMI 2.0 FMU")
         if folder.exists():  # a damaged earlier copy
             shutil.rmtree(folder, ignore_errors=True)
         os.rename(part, folder)
     except zipfile.BadZipFile:
-        raise AeroSloshError(
-            f"{path.name} is not a zip archive", str(path), "build it again with `make fmus`"
-        ) from None
+        raise AeroSloshError(f"{path.name} is not a zip archive", str(path), "build it again with `make fmus`") from None
     except OSError as error:
         if not (folder / "modelDescription.xml").is_file():  # otherwise another process was faster
             raise AeroSloshError(

@@ -28,10 +28,7 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "frequency": number(fit.frequency) if fit else None,
         "frequency_uncertainty": number(fit.frequency_uncertainty) if fit else None,
         "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit else None,
-        "modes": [
-            {"growth_rate": m.growth_rate, "frequency": m.frequency, "share": m.share}
-            for m in (fit.modes if fit else [])
-        ],
+        "modes": [{"growth_rate": m.growth_rate, "frequency": m.frequency, "share": m.share} for m in (fit.modes if fit else [])],
         "fit_residual": number(fit.residual) if fit else None,
         "uncertainty_parts": fit.contributions if fit else {},
         "omega_alpha": s.omega_alpha,
@@ -101,9 +98,7 @@ def march_summary(data: dict[str, Any]) -> str:
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
     cost = data["cost"]
-    shares = ", ".join(
-        f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items()
-    )
+    shares = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items())
     steady = f", steady start {cost['steady_cpu_seconds']:.1f} s" if "steady_cpu_seconds" in cost else ""
     lines.append(
         f"  cost         {cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU for "

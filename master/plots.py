@@ -120,9 +120,7 @@ def phase(march: March, path: Path) -> None:
         for axis, (x, y, x_label, y_label) in zip(axes, pairs, strict=True):
             axis.plot(x[: r + 1], y[: r + 1], color=GREY, lw=0.8, label="forced")
             axis.plot(x[r:], y[r:], color=BLUE, lw=0.5, alpha=0.5)
-            points = axis.scatter(
-                x[r:], y[r:], c=march.tau[r:] / (2.0 * np.pi), s=6, cmap="viridis", zorder=3
-            )
+            points = axis.scatter(x[r:], y[r:], c=march.tau[r:] / (2.0 * np.pi), s=6, cmap="viridis", zorder=3)
             axis.plot(x[r], y[r], "o", color=RED, ms=5, label="release", zorder=4)
             axis.set_xlabel(x_label)
             axis.set_ylabel(y_label)
@@ -153,12 +151,8 @@ def mach_field(march: March, path: Path, chord: float) -> None:
         mesh = None
         for axis, field, (tau, _) in zip(axes.flat, fields, march.fields, strict=False):
             mach = field.cells["mach"]
-            mesh = axis.pcolormesh(
-                field.x / chord, field.y / chord, mach, cmap="turbo", vmin=low, vmax=high, rasterized=True
-            )
-            x, y = (
-                0.25 * (p[1:, 1:] + p[:-1, 1:] + p[1:, :-1] + p[:-1, :-1]) / chord for p in (field.x, field.y)
-            )
+            mesh = axis.pcolormesh(field.x / chord, field.y / chord, mach, cmap="turbo", vmin=low, vmax=high, rasterized=True)
+            x, y = (0.25 * (p[1:, 1:] + p[:-1, 1:] + p[1:, :-1] + p[:-1, :-1]) / chord for p in (field.x, field.y))
             if low < 1.0 < high:  # closed around the O-mesh by repeating the first column
                 closed = [np.hstack([a, a[:, :1]]) for a in (x, y, mach)]
                 axis.contour(*closed, levels=[1.0], colors="white", linewidths=0.9)
@@ -191,9 +185,7 @@ def boundary(points: list[BoundaryPoint], path: Path, reference: Path | None = N
     with plt.rc_context(STYLE):
         figure, axis = plt.subplots(figsize=(7.0, 4.8))
         for grows, color, label in ((False, GREEN, "march: damped"), (True, RED, "march: growing")):
-            dots = [
-                (p.mach, s.V_f) for p in points for s in p.samples if s.known and (s.growth_rate > 0) is grows
-            ]
+            dots = [(p.mach, s.V_f) for p in points for s in p.samples if s.known and (s.growth_rate > 0) is grows]
             if dots:
                 axis.plot(*zip(*dots, strict=True), ".", color=color, ms=6, alpha=0.75, label=label, zorder=2)
         axis.plot(*_first_crossings(points), "-", color=BLUE, lw=1.0, alpha=0.6, zorder=1)

@@ -116,9 +116,7 @@ def refine(tau: np.ndarray, z: np.ndarray, poles: np.ndarray, decays: np.ndarray
     high = np.r_[np.tile([10.0 / span, 0.6 * np.pi / dt], len(poles)), np.full(decays.size, -2.0 / span)]
     first = np.clip(np.r_[poles.ravel(), decays], low + 1e-9, high - 1e-9)
     try:
-        solution = least_squares(
-            residual, first, jacobian, bounds=(low, high), xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=40
-        )
+        solution = least_squares(residual, first, jacobian, bounds=(low, high), xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=40)
     except (np.linalg.LinAlgError, ValueError):
         return None
     at_bound = np.any((solution.x - low < 1e-6) | (high - solution.x < 1e-6))
@@ -163,10 +161,6 @@ def _summary(
         i = 1 + 2 * k
         back = np.exp(-sigma * (t[-1] if sigma > 0.0 else 0.0))
         amplitudes[k] = (c[i] - 1j * c[i + 1]) * back
-        shares[k] = float(
-            np.max(np.std(phi[:, i : i + 2] @ c[i : i + 2], axis=0) / np.where(total > 0, total, 1.0))
-        )
+        shares[k] = float(np.max(np.std(phi[:, i : i + 2] @ c[i : i + 2], axis=0) / np.where(total > 0, total, 1.0)))
     score = n * channels * np.log(variance) + parameters * np.log(n * channels)
-    return Solution(
-        poles, decays, covariance, amplitudes, c[1 + size :], c[0], variance, shares, float(score)
-    )
+    return Solution(poles, decays, covariance, amplitudes, c[1 + size :], c[0], variance, shares, float(score))

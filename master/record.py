@@ -92,9 +92,7 @@ class RunFolder:
             ) from None
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, _e: BaseException | None, _t: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, _e: BaseException | None, _t: TracebackType | None) -> None:
         self._log.close()
         if kind is not None and not self._keep:
             shutil.rmtree(self.path, ignore_errors=True)
@@ -130,9 +128,7 @@ class RunFolder:
             if not aside.exists():
                 os.rename(self.target, aside)
                 return
-        raise AeroSloshError(
-            f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones"
-        )
+        raise AeroSloshError(f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones")
 
 
 def write_history(path: Path, march: March, about: dict[str, Any]) -> None:

@@ -129,19 +129,14 @@ class FlutterRig:
             "cells_normal": case.aero.cells_normal,
             "farfield_chords": case.aero.farfield_chords,
         }
-        values |= {
-            name: value
-            for name in ("tolerance", "max_subiterations")
-            if (value := getattr(case.aero, name)) != "auto"
-        }
+        values |= {name: value for name in ("tolerance", "max_subiterations") if (value := getattr(case.aero, name)) != "auto"}
         if field_folder is not None:
             values["field_folder"] = str(field_folder)
         aero.set_all(values)
         aero.initialize()
         if "converged" in aero.variables and not aero.get("converged"):
             raise AeroSloshError(
-                f"The steady flow at Mach {self.mach:g} did not converge "
-                f"(residual {aero.get('residual'):.1e})",
+                f"The steady flow at Mach {self.mach:g} did not converge (residual {aero.get('residual'):.1e})",
                 str(aero.path),
                 "an unconverged start ruins the damping: change aero.cells_around or aero.tolerance",
             )

@@ -126,16 +126,12 @@ def _inside(root: Crossing, known: list[Sample], failed: list[float], tolerance:
     return target
 
 
-def _outside(
-    known: list[Sample], failed: list[float], low: float, high: float, tolerance: float, slope: float
-) -> float | None:
+def _outside(known: list[Sample], failed: list[float], low: float, high: float, tolerance: float, slope: float) -> float | None:
     """A march beyond those done: towards the sign change that the trend promises."""
     first, last = known[0], known[-1]
     ceiling = min([high] + [f for f in failed if f > last.V_f])
     floor = max([low] + [f for f in failed if f < first.V_f])
-    trend = (
-        (last.growth_rate - first.growth_rate) / math.log(last.V_f / first.V_f) if len(known) > 1 else slope
-    )
+    trend = (last.growth_rate - first.growth_rate) / math.log(last.V_f / first.V_f) if len(known) > 1 else slope
     if len(known) > 1:  # the trend near the smallest |σ| counts
         i = int(np.argmin([abs(s.growth_rate) for s in known]))
         j = i - 1 if i > 0 and (i + 1 == len(known)) else i + 1
@@ -185,7 +181,9 @@ def _root(known: list[Sample], i: int, j: int, bracketed: bool) -> Crossing:
         root, noise, slope = _estimate([a, b], chord, 1)
     else:
         three = [a, b, min(third, key=lambda s: abs(s.V_f - chord))]
-        curve, line = (_estimate(three, chord, degree) for degree in (2, 1))
+        line = _estimate(three, chord, 1)
+        # two near marches may fake a steep slope by their noise: the line's counts when it is the smaller
+        curve = _estimate(three, chord, 2, abs(line[2]))
         # what a cubic term could do is guessed from the distance to the nearest march
         near = min(abs(curve[0] - s.V_f) for s in three)
         errors = max(0.05 * near, 0.5 * abs(chord - curve[0])), max(0.05 * near, abs(line[0] - curve[0]))
@@ -205,10 +203,11 @@ def _root(known: list[Sample], i: int, j: int, bracketed: bool) -> Crossing:
     )
 
 
-def _estimate(samples: list[Sample], near: float, degree: int) -> tuple[float, float, float]:
+def _estimate(samples: list[Sample], near: float, degree: int, steepest: float = math.inf) -> tuple[float, float, float]:
     """Root nearest to `near` of the weighted polynomial σ(V_f), its noise (one std) and the slope there.
 
-    To first order the root moves by δσ/slope, δσ being the polynomial's value there with the samples' noise.
+    To first order the root moves by δσ/slope, δσ being the polynomial's value there with the samples' noise;
+    for the noise |slope| is taken as `steepest` at most.
     """
     x = np.array([s.V_f for s in samples]) - near
     size = float(np.max(np.abs(x)))
@@ -221,5 +220,5 @@ def _estimate(samples: list[Sample], near: float, degree: int) -> tuple[float, f
     root = float(real[np.argmin(np.abs(real))]) if real.size else 0.0
     slope = float(np.polyval(np.polyder(c), root)) / size
     value_noise = float(np.linalg.norm(np.vander([root], degree + 1) @ inverse * std))
-    noise = value_noise / abs(slope) if slope else math.inf
+    noise = value_noise / min(abs(slope), steepest) if slope else math.inf
     return near + size * root, noise, slope

@@ -32,9 +32,7 @@ def wires(text: str | Iterable[str]) -> list[Wire]:
     for line in text.strip().splitlines() if isinstance(text, str) else text:
         source, arrow, target = (part.strip() for part in line.partition("->"))
         if not arrow or source.count(".") < 1 or target.count(".") < 1:
-            raise AeroSloshError(
-                f"'{line.strip()}' is no wire", "wiring", "write: structure.alpha -> aero.alpha"
-            )
+            raise AeroSloshError(f"'{line.strip()}' is no wire", "wiring", "write: structure.alpha -> aero.alpha")
         found.append(Wire(source, target))
     return found
 
@@ -53,9 +51,7 @@ class System:
         self.components = list(components)
         names = [c.name for c in components]
         if len(set(names)) != len(names):
-            raise AeroSloshError(
-                f"Two components have the same name: {names}", "system", "name each component once"
-            )
+            raise AeroSloshError(f"Two components have the same name: {names}", "system", "name each component once")
         self._by_name = {c.name: c for c in components}
         self.wires = list(connections)
         self._check()

@@ -8,9 +8,8 @@ import numpy as np
 
 from master.damping import Fit, local_rates
 
-LIMIT_CYCLE_RESIDUAL = (
-    0.01  # exponentials that fit better than this leave nothing for an amplitude limit to explain
-)
+LIMIT_CYCLE_RESIDUAL = 0.01  # exponentials that fit better leave nothing for an amplitude limit to explain
+NOISE_RESIDUAL = 0.6  # and where they explain next to nothing, there is no oscillation to be limited
 
 
 class Verdict(StrEnum):
@@ -34,7 +33,7 @@ def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: 
         return Verdict.UNDETERMINED, "no oscillation could be fitted to the free response"
     rate, doubt = fit.growth_rate, 2.0 * fit.growth_rate_uncertainty
     pieces = local_rates(tau, channels, fit, parts=3)
-    if np.all(np.isfinite(pieces)) and fit.residual > LIMIT_CYCLE_RESIDUAL:
+    if np.all(np.isfinite(pieces)) and LIMIT_CYCLE_RESIDUAL < fit.residual < NOISE_RESIDUAL:
         first, last = pieces[0], pieces[-1]
         if abs(first) > 5.0 * neutral_band and abs(last) < 0.3 * abs(first):
             return (

@@ -40,9 +40,7 @@ def read(path: Path) -> Field:
             shape = (nj, ni) if values.size == ni * nj else (nj, ni, -1)
             cells[element.attrib["Name"]] = values.reshape(shape)
     except (ElementTree.ParseError, AttributeError, KeyError, ValueError, OSError) as error:
-        raise AeroSloshError(
-            f"The field file cannot be read: {error}", str(path), "rebuild the FMUs: make fmus"
-        ) from None
+        raise AeroSloshError(f"The field file cannot be read: {error}", str(path), "rebuild the FMUs: make fmus") from None
     return Field(points[..., 0], points[..., 1], cells)
 
 

@@ -135,7 +135,7 @@ def _assemble(x: Array, half: Array, camber: Array, slope: Array) -> Array:
 def _forms_6a() -> dict[str, tuple[CubicSpline, CubicSpline]]:
     """Splines of epsilon(phi) and psi(phi) a family, from naca6a.csv."""
     text = (Path(__file__).parent / "naca6a.csv").read_text(encoding="utf-8").splitlines()
-    table = [row for row in csv.DictReader(line for line in text if not line.startswith("#"))]
+    table = list(csv.DictReader(line for line in text if not line.startswith("#")))
     forms = {}
     for family in sorted({row["family"] for row in table}):
         rows = [row for row in table if row["family"] == family]

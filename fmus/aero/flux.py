@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ._numba import inline, jit
+from .compiled import inline, jit
 
 GAMMA = 1.4
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._numba import inline, jit
+from .compiled import inline, jit
 from .flux import ENTROPY, GAMMA
 from .mesh import Mesh
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._numba import jit
+from .compiled import jit
 from .farfield import Farfield
 from .flux import GAMMA, residual
 from .implicit import Factors, Recipe
@@ -63,27 +63,13 @@ class Settings:
     subiteration; steady_tolerance: rms density change an iteration; steady_cfl, steady_step: local and global pseudo-time step.
     """
 
-    tolerance: float = 3e-3
+    tolerance: float = 5e-3
     max_subiterations: int = 25
     cfl: float = 25.0
     steady_tolerance: float = 3e-7
     steady_iterations: int = 3000
     steady_cfl: float = 20.0
     steady_step: float = 0.4
-
-
-@dataclass(frozen=True)
-class FlowState:
-    """All that the next step reads. levels: three flows (nj, 4, ni) in inertial axes, newest first, never written again."""
-
-    levels: tuple[Array, Array, Array]
-    times: tuple[float, float, float]
-    lift: float
-    pressure: Array
-    incidence: float
-    factors: Factors | None
-    refresh: bool
-    age: int
 
 
 @jit
@@ -189,6 +175,7 @@ class Flow:
         self.farfield = Farfield(mesh, mach)
         self.refactorings = 0
         self._factors: Factors | None = None
+        self._former: Factors | None = None
         self._refresh = True
         self._age = 0
         self._out, self._x, self._past = np.zeros_like(self.q), np.zeros_like(self.q), np.zeros_like(self.q)
@@ -197,7 +184,7 @@ class Flow:
         middle = 0.5 * (mesh.node[0, 1:] + mesh.node[0, :-1])
         self._wall[0], self._wall[1], self._wall[3:] = mesh.curvature, mesh.gap, middle.T
         self._levels: tuple[Array, Array, Array] = (self.q, self.q, self.q)
-        self._times = (0.0, 0.0, 0.0)
+        self._times: tuple[float, ...] = (0.0, 0.0, 0.0)
         self._ghost = np.zeros((4, ni))
         self._lift = 0.0
 
@@ -223,7 +210,7 @@ class Flow:
                 "Remedy: a larger tolerance, other cell counts; some flows have no steady state"
             )
         flow = np.empty_like(self.q)
-        _turn(self.q, flow, np.cos(incidence), -np.sin(incidence), 1.0, False)
+        _turn(self.q, flow, float(np.cos(incidence)), -float(np.sin(incidence)), 1.0, False)
         self._levels = (flow, flow, flow)
         self._times = (0.0, 0.0, 0.0)
         self._lift = self.coefficients.lift
@@ -299,9 +286,9 @@ class Flow:
         times = np.array([self._times[0] + dt, *self._times])
         weights = bdf_weights(times)
         guess = extrapolation_weights(times)
-        c, sine = np.cos(incidence), np.sin(incidence)
+        c, sine = float(np.cos(incidence)), float(np.sin(incidence))
         for k, level in enumerate(self._levels):
-            _turn(level, self._past, c, sine, weights[k + 1], k > 0)
+            _turn(level, self._past, c, sine, float(weights[k + 1]), k > 0)
         self._move(motion, incidence)
         factors = self._factors
         stale = self._refresh or factors is None or abs(weights[0] / factors.recipe.weight - 1) > 0.05
@@ -309,9 +296,10 @@ class Flow:
             prediction = guess if retry == 0 else np.array([1.0, 0.0, 0.0])
             for k, level in enumerate(self._levels):
                 if k == 0 or prediction[k]:
-                    _turn(level, self.q, c, sine, prediction[k], k > 0)
+                    _turn(level, self.q, c, sine, float(prediction[k]), k > 0)
             if factors is None or stale or retry:
-                factors = self._factors = self._linearised(weights[0], cfl)
+                factors = self._linearised(weights[0], cfl)
+                self._set_factors(factors)
                 self._refresh, self._age = False, 0
                 self.refactorings += 1
             limit = s.max_subiterations * (1 if retry == 0 else 3)
@@ -381,19 +369,40 @@ class Flow:
 
     # ---- state -------------------------------------------------------------------------------------------------------
 
-    def save(self) -> FlowState:
-        """All that the next step reads, by reference: levels are never written again."""
-        return FlowState(
-            self._levels, self._times, self._lift, self.pressure.copy(), self.incidence, self._factors, self._refresh, self._age
-        )
+    def save(self) -> dict[str, Any]:
+        """All that the next step reads, arrays by reference: none of them is ever written again."""
+        state: dict[str, Any] = {
+            "levels": self._levels,
+            "times": self._times,
+            "lift": self._lift,
+            "pressure": self.pressure.copy(),
+            "incidence": self.incidence,
+            "refresh": self._refresh,
+            "age": self._age,
+        }
+        if self._factors is not None:
+            state["recipe"] = dict(vars(self._factors.recipe))
+        return state
 
-    def restore(self, state: FlowState) -> None:
-        """Back to a saved state; the next step repeats to the last bit."""
-        self._levels, self._times, self._lift = state.levels, state.times, state.lift
-        self._factors, self._refresh, self._age = state.factors, state.refresh, state.age
-        self.pressure[:] = state.pressure
-        self.incidence = state.incidence
+    def restore(self, state: dict[str, Any]) -> None:
+        """Back to a saved state, of this flow or of one like it in another process; the next step repeats to the last bit."""
+        first, second, third = state["levels"]
+        self._levels = (first, second, third)
+        self._times = tuple(state["times"])
+        self._lift, self.incidence = state["lift"], state["incidence"]
+        self._refresh, self._age = state["refresh"], state["age"]
+        self.pressure[:] = state["pressure"]
+        if "recipe" not in state:
+            self._factors = None
+            return
+        recipe = Recipe(**state["recipe"])
+        # the factors in hand, or those before them, nearly always are the ones; else the recipe makes them again
+        known = [f for f in (self._factors, self._former) if f is not None and f.recipe.flow is recipe.flow]
+        self._set_factors(known[0] if known else Factors(recipe, self.mesh))
 
+    def _set_factors(self, factors: Factors) -> None:
+        if factors is not self._factors:
+            self._factors, self._former = factors, self._factors
 
 def _refined(q: Array) -> Array:
     """Flow (nj, 4, ni) interpolated bilinearly to twice the cells each way, shape (2 nj, 4, 2 ni)."""

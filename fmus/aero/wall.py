@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ._numba import inline, jit
+from .compiled import inline, jit
 from .flux import GAMMA
 
 

@@ -39,9 +39,7 @@ def test_isogai_a_is_the_section_of_the_literature() -> None:
 
 
 def test_resolved_case_reads_back_the_same(tmp_path: Path) -> None:
-    case = load(
-        CASE, ["flow.mach=0.7", "aero.tolerance=1e-7", "boundary.mach=[0.5, 0.6]", "flow.airfoil=NACA 0012"]
-    )
+    case = load(CASE, ["flow.mach=0.7", "aero.tolerance=1e-7", "boundary.mach=[0.5, 0.6]", "flow.airfoil=NACA 0012"])
     text = dump(case)
     again = tmp_path / f"{case.name}.toml"
     again.write_text(text)
@@ -88,9 +86,7 @@ def test_missing_file() -> None:
         load(Path("nowhere.toml"))
 
 
-@pytest.mark.parametrize(
-    "override", ["flow.mach", "mach=0.8", "flow.much=0.8", "flo.mach=0.8", "flow.mach=3", "flow.mach=x"]
-)
+@pytest.mark.parametrize("override", ["flow.mach", "mach=0.8", "flow.much=0.8", "flo.mach=0.8", "flow.mach=3", "flow.mach=x"])
 def test_bad_overrides(override: str) -> None:
     with pytest.raises(AeroSloshError) as caught:
         apply_override(Case(), override)

@@ -66,16 +66,12 @@ def test_no_crossing_scans_the_range_and_ends() -> None:
     for rate in (-0.01, 0.01):
         samples, found = searched(lambda v, r=rate: r, 0.6)
         assert not found
-        assert min(s.V_f for s in samples) == pytest.approx(0.2) and max(
-            s.V_f for s in samples
-        ) == pytest.approx(3.0)
+        assert min(s.V_f for s in samples) == pytest.approx(0.2) and max(s.V_f for s in samples) == pytest.approx(3.0)
 
 
 def test_every_crossing_of_the_marches_is_reported_with_its_direction() -> None:
     """An S-shaped boundary: onset, recovery, onset."""
-    samples = [
-        Sample(v, 0.05 * (v - 0.55) * (v - 1.3) * (v - 2.2), 1e-5, 0.9) for v in np.arange(0.4, 2.6, 0.1)
-    ]
+    samples = [Sample(v, 0.05 * (v - 0.55) * (v - 1.3) * (v - 2.2), 1e-5, 0.9) for v in np.arange(0.4, 2.6, 0.1)]
     found = crossings(samples, TOLERANCE)
     assert [c.direction for c in found] == ["onset", "recovery", "onset"]
     assert [c.V_f for c in found] == pytest.approx([0.55, 1.3, 2.2], rel=1e-3)

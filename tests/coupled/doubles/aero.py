@@ -95,12 +95,7 @@ class Aero(Double):
         self.lift = float(circulatory + mass * (self.h_ddot + U * self.alpha_dot - b * a * self.alpha_ddot))
         self.moment = float(
             b * (a + 0.5) * circulatory
-            + mass
-            * (
-                b * a * self.h_ddot
-                - U * b * (0.5 - a) * self.alpha_dot
-                - b**2 * (0.125 + a**2) * self.alpha_ddot
-            )
+            + mass * (b * a * self.h_ddot - U * b * (0.5 - a) * self.alpha_dot - b**2 * (0.125 + a**2) * self.alpha_ddot)
         )
         if self.trick == "CUBIC":
             self.moment -= float(self.at) * q * self.chord**2 * self.alpha**3
@@ -131,9 +126,7 @@ class Aero(Double):
             + "</DataArray>"
             for n, v in cells.items()
         )
-        nodes = (
-            f'<DataArray type="Float32" NumberOfComponents="3" format="binary">{_encode(points)}</DataArray>'
-        )
+        nodes = f'<DataArray type="Float32" NumberOfComponents="3" format="binary">{_encode(points)}</DataArray>'
         Path(self.field_folder, f"fields_{self.files:06d}.vts").write_text(
             '<VTKFile type="StructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">'
             f'<StructuredGrid WholeExtent="{extent}"><Piece Extent="{extent}"><Points>{nodes}</Points>'

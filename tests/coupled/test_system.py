@@ -1,0 +1,123 @@
+"""Wiring mistakes are named before anything runs; FMU files that are none are refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from master import fmu_cache
+from master.component import Component
+from master.errors import AeroSloshError, ComponentError
+from master.system import System, wires
+
+
+@pytest.fixture
+def pair(doubles: Path) -> Iterator[list[Component]]:
+    made = [Component(doubles / "oscillator.fmu", "a"), Component(doubles / "link.fmu", "link")]
+    yield made
+    for component in made:
+        component.close()
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("a.x -> link.x_q", ["no variable 'x_q'", "did you mean 'x_a'"]),
+        ("b.x -> link.x_a", ["no component 'b'", "a, link"]),
+        ("link.x_a -> a.force", ["link.x_a is a input, not an output", "from an output to an input"]),
+        ("a.x -> a.mass", ["parameter, not an input"]),
+        ("a.x -> link.v_a", ["Units differ", "a.x is in m", "link.v_a in m/s"]),
+        ("a.failed -> link.x_a", ["of type Boolean"]),
+        ("a.x - link.x_a", ["is no wire"]),
+    ],
+)
+def test_wiring_mistakes(pair: list[Component], line: str, says: list[str]) -> None:
+    with pytest.raises(AeroSloshError) as caught:
+        System(pair, wires([line]))
+    assert caught.value.remedy
+    for part in says:
+        assert part in str(caught.value), str(caught.value)
+
+
+def test_an_input_is_wired_once(pair: list[Component]) -> None:
+    with pytest.raises(AeroSloshError, match=r"link\.x_a is wired twice"):
+        System(pair, wires(["a.x -> link.x_a", "a.x -> link.x_a"]))
+
+
+def test_names_are_unique(doubles: Path) -> None:
+    twins = [Component(doubles / "oscillator.fmu", "a") for _ in range(2)]
+    with pytest.raises(AeroSloshError, match="same name"):
+        System(twins, [])
+    for component in twins:
+        component.close()
+
+
+def test_lagged_wires_follow_the_order(pair: list[Component]) -> None:
+    system = System(pair, wires(["a.x -> link.x_a", "link.force_a -> a.force"]))
+    assert [str(system.wires[k]) for k in system.lagged] == ["link.force_a -> a.force"]
+
+
+def test_unwired_inputs_keep_their_start_values(doubles: Path) -> None:
+    a = Component(doubles / "oscillator.fmu", "a")
+    a.set("force", 2.0)
+    system = System([a], [])
+    system.initialize()
+    a.step(0.1)
+    assert a.inputs.values[a.input_index["force"]] == 2.0
+    assert a.get("x") > 0.0
+    system.close()
+
+
+def test_unknown_variable_of_a_component(doubles: Path) -> None:
+    a = Component(doubles / "oscillator.fmu", "a")
+    with pytest.raises(AeroSloshError, match="no variable 'masss'"):
+        a.set("masss", 1.0)
+    a.close()
+
+
+def test_files_that_are_no_fmu(tmp_path: Path) -> None:
+    with pytest.raises(AeroSloshError, match="missing"):
+        Component(tmp_path / "aero.fmu", "aero")
+    (tmp_path / "aero.fmu").write_text("not a zip")
+    with pytest.raises(AeroSloshError, match="not a zip archive"):
+        Component(tmp_path / "aero.fmu", "aero")
+
+
+def test_unzipped_once_to_a_plain_folder(doubles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cache path with a space or é would end the process inside pythonfmu: another place is taken."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "plain"))
+    first, digest = fmu_cache.unzip(doubles / "link.fmu")
+    stamp = (first / "modelDescription.xml").stat().st_mtime_ns
+    again, same = fmu_cache.unzip(doubles / "link.fmu")
+    assert first == again and digest == same and str(first).startswith(str(tmp_path / "plain"))
+    assert (first / "modelDescription.xml").stat().st_mtime_ns == stamp
+    assert not [p for p in first.parent.iterdir() if p.name.startswith(".")]
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "é #%20"))
+    elsewhere, _ = fmu_cache.unzip(doubles / "link.fmu")
+    assert str(elsewhere).isascii() and "#" not in str(elsewhere)
+
+
+def test_a_failing_step_tells_the_fmu_s_own_words(doubles: Path) -> None:
+    aero = Component(doubles / "aero.fmu", "aero")
+    aero.set("airfoil", "FAIL 3")
+    aero.initialize()
+    aero.step(1e-3)
+    aero.step(1e-3)
+    with pytest.raises(ComponentError) as caught:
+        aero.step(1e-3)
+    error = caught.value
+    assert "told to fail (100 % on purpose)" in error.what and "ValueError" in error.what
+    assert "step 3" in error.where and "t = 0.002 s" in error.where
+    assert "Traceback" in error.traceback and "in advance" in error.traceback
+    aero.close()
+
+
+def test_many_lives_of_one_component(doubles: Path) -> None:
+    aero = Component(doubles / "aero.fmu", "aero")
+    for _ in range(50):
+        aero.initialize()
+        aero.step(1e-3)
+        aero.restart()
+    aero.close()
