@@ -244,7 +244,7 @@ def _draw_point(case: Case, march: flutter.March, folder: RunFolder, progress: P
     plots.histories(march, folder.path / "histories.png")
     plots.phase(march, folder.path / "phase.png")
     if march.fields:
-        plots.mach_field(march, folder.path / "mach_field.png", case.section.chord)
+        plots.mach_field(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)
 
 
 def _print(options: argparse.Namespace, data: dict[str, Any], summary: str, folder: RunFolder) -> None:

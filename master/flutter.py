@@ -105,13 +105,14 @@ def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: 
     history.take(0)
     instants = {steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)} if field_folder else set()
     unconverged = {"coupling": 0, "aero": 0}
-    failure, stopped, done = None, "", 0
+    failure, stopped, done, writing = None, "", 0, False
     limit = math.radians(flutter.max_alpha_deg)
     dt = s.dt
     try:
         for done in range(1, steps + 1):
-            if instants:
-                rig.aero.set("write_fields", done in instants)
+            if (done in instants) is not writing:
+                writing = not writing
+                rig.aero.set("write_fields", writing)
             report = scheme.step(rig.system, dt)
             unconverged["coupling"] += not report.converged
             unconverged["aero"] += not history.take(done, report.passes)
@@ -128,7 +129,7 @@ def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: 
     except ComponentError as error:
         failure, done = error, done - 1
     finally:
-        if instants and failure is None:
+        if writing and failure is None:
             rig.aero.set("write_fields", False)
     table = history.finish(done + 1, s)
     wall, cpu = clock.perf_counter() - begin_wall, clock.process_time() - begin_cpu

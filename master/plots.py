@@ -132,8 +132,11 @@ def phase(march: March, path: Path) -> None:
         plt.close(figure)
 
 
-def mach_field(march: March, path: Path, chord: float) -> None:
-    """Mach number about the airfoil at the recorded instants (four), with the sonic line."""
+def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> None:
+    """Mach number about the airfoil at the recorded instants (four), with the sonic line.
+
+    The files' origin is the elastic axis at rest; x/c of the picture counts from the leading edge at rest.
+    """
     with plt.rc_context(STYLE | {"axes.grid": False}):
         n = len(march.fields)
         figure, axes = plt.subplots(
@@ -145,18 +148,19 @@ def mach_field(march: March, path: Path, chord: float) -> None:
             sharey=True,
             constrained_layout=True,
         )
-        fields = [vtk.read(file) for _, file in march.fields]
-        seen = np.concatenate([f.cells["mach"][_window(f, chord)] for f in fields])
-        low, high = float(seen.min()), float(seen.max())
+        fields = [vtk.read(file).scaled(chord, elastic_axis) for _, file in march.fields]
+        seen = np.concatenate([f.cells["mach"][_window(f)] for f in fields])
+        # the few cells at the stagnation point would take half the colours
+        low, high = float(np.percentile(seen, 1.0)), float(seen.max())
         mesh = None
         for axis, field, (tau, _) in zip(axes.flat, fields, march.fields, strict=False):
             mach = field.cells["mach"]
-            mesh = axis.pcolormesh(field.x / chord, field.y / chord, mach, cmap="turbo", vmin=low, vmax=high, rasterized=True)
-            x, y = (0.25 * (p[1:, 1:] + p[:-1, 1:] + p[1:, :-1] + p[:-1, :-1]) / chord for p in (field.x, field.y))
+            mesh = axis.pcolormesh(field.x, field.y, mach, cmap="turbo", vmin=low, vmax=high, rasterized=True)
+            x, y = (0.25 * (p[1:, 1:] + p[:-1, 1:] + p[1:, :-1] + p[:-1, :-1]) for p in (field.x, field.y))
             if low < 1.0 < high:  # closed around the O-mesh by repeating the first column
                 closed = [np.hstack([a, a[:, :1]]) for a in (x, y, mach)]
                 axis.contour(*closed, levels=[1.0], colors="white", linewidths=0.9)
-            axis.fill(field.x[0] / chord, field.y[0] / chord, color="0.15", zorder=3)
+            axis.fill(field.x[0], field.y[0], color="0.15", zorder=3)
             i = int(np.argmin(np.abs(march.tau - tau)))
             axis.set_title(
                 f"cycle {tau / (2 * np.pi):.2f}:  $\\alpha$ = {march.history['alpha'][i] * DEGREES:+.2f}°, "
@@ -173,7 +177,7 @@ def mach_field(march: March, path: Path, chord: float) -> None:
         for axis in axes[:, 0]:
             axis.set_ylabel("$y/c$")
         if mesh is not None:
-            figure.colorbar(mesh, ax=axes, label="Mach number (white line: sonic)", shrink=0.85)
+            figure.colorbar(mesh, ax=axes, label="Mach number (white line: sonic)", shrink=0.85, extend="min")
         figure.suptitle(headline(march), fontsize=10.5)
         figure.savefig(path)
         plt.close(figure)
@@ -246,7 +250,7 @@ def _published(axis: Axes, file: Path, low: float, high: float) -> None:
         drawn.add(state)
 
 
-def _window(field: vtk.Field, chord: float) -> np.ndarray:
+def _window(field: vtk.Field) -> np.ndarray:
     """Cells inside the picture. Shape: (nj, ni), bool."""
-    x, y = field.x[:-1, :-1] / chord, field.y[:-1, :-1] / chord
+    x, y = field.x[:-1, :-1], field.y[:-1, :-1]
     return (x > -0.5) & (x < 1.5) & (np.abs(y) < 0.75)

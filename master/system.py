@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from master.acceleration import Aitken
 from master.component import Component
 from master.errors import AeroSloshError
 
+INITIAL_PASSES = 30
 RENAMED = {"": "1", None: "1", "-": "1"}  # ways of writing "no unit"
 
 
@@ -73,6 +75,7 @@ class System:
             self._incoming.append((np.array(mine, dtype=np.intp), np.array(inputs, dtype=np.intp)))
         self.lagged_array = np.array(self.lagged, dtype=np.intp)
         self.loops = self._find_loops()
+        self.initial_change = 0.0
 
     def __getitem__(self, name: str) -> Component:
         return self._by_name[name]
@@ -80,18 +83,30 @@ class System:
     def initialize(self, start_time: float = 0.0) -> None:
         """Initialise every component not yet initialised, with consistent initial inputs along the wires.
 
-        Components already initialised keep their state. The exchange is repeated once per component, so
-        that a chain of direct feed-through settles.
+        Components already initialised keep their state. The exchange is repeated until it settles, which also
+        solves algebraic loops at the start (Aitken's relaxation); `initial_change` tells how well.
         """
         fresh = [c for c in self.components if c.state == "instantiated"]
         for component in fresh:
             component.enter_initialization(start_time)
-        for _ in range(len(fresh) if fresh else 0):
-            self.collect()
+        lagged, relaxation = self.lagged_array, Aitken()
+        self.collect()
+        carried = self.wire_values()
+        for _ in range(INITIAL_PASSES if fresh else 0):
             for i, component in enumerate(self.components):
+                self.collect()
+                now = self.wire_values()
+                now[lagged] = carried[lagged]
+                self.feed(i, now)
                 if component in fresh:
-                    self.feed(i, self.wire_values())
                     component.inputs.set()
+            self.collect()
+            change = self.wire_values()[lagged] - carried[lagged]
+            size = np.maximum(np.abs(carried[lagged]), np.abs(change))
+            self.initial_change = float(np.max(np.abs(change) / np.where(size > 0.0, size, 1.0), initial=0.0))
+            if self.initial_change <= 1e-12:
+                break
+            carried[lagged] = relaxation.next(carried[lagged], change)
         for component in fresh:
             component.exit_initialization()
         self.collect()
@@ -171,9 +186,11 @@ class System:
                 f"wire {wire}",
                 f"{hint}({causality}s are: {names})",
             )
-        if known[variable].causality != causality:
+        actual = known[variable].causality
+        if actual != causality:
+            article = "an" if actual in ("input", "output") else "a"
             raise AeroSloshError(
-                f"{component}.{variable} is a {known[variable].causality}, not an {causality}",
+                f"{component}.{variable} is {article} {actual}, not an {causality}",
                 f"wire {wire}",
                 "a wire goes from an output to an input",
             )

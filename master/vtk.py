@@ -24,6 +24,10 @@ class Field:
     y: np.ndarray
     cells: dict[str, np.ndarray]
 
+    def scaled(self, chord: float, elastic_axis: float) -> Field:
+        """Lengths in chords from the leading edge at rest, where the file has metres from the elastic axis."""
+        return Field(self.x / chord + elastic_axis, self.y / chord, self.cells)
+
 
 def read(path: Path) -> Field:
     """The field of one file. Raises AeroSloshError when it is not such a file."""

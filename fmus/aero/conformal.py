@@ -52,7 +52,7 @@ class CircleMap:
         return float(8 * np.pi * self.radius * np.sin(alpha - zero_lift))
 
     def points(self, rho: Array, count: int, shift: float = 0.0) -> Complex:
-        """z on circles |w| = rho, shape (len(rho), count), from the trailing edge's angle (plus shift [rad]) on, anticlockwise."""
+        """z on circles |w| = rho, shape (len(rho), count), anticlockwise from the trailing edge's angle plus shift [rad]."""
         start = self.trailing_edge + shift
         theta = start + 2 * np.pi * np.arange(count) / count
         order = np.arange(len(self.coefficients))

@@ -73,8 +73,8 @@ def _face_blocks(nx: float, ny: float, length: float, left: Any, right: Any, plu
 def assemble(q: Any, side: Any, ring: Any, far: Any, diagonal: Any, near: Any, radius: Any) -> None:
     """First-order linearisation of the residual on a mesh at rest.
 
-    q: (nj, 4, ni); side, ring, far as in flux.residual but shaped; diagonal: (nj, ni, 4, 4); near: (4, nj, ni, 4, 4) blocks of the
-    neighbours i−1, i+1, j−1, j+1; radius: (nj, ni) sum of spectral radii times face lengths.
+    q: (nj, 4, ni); side, ring, far as in flux.residual but shaped; diagonal: (nj, ni, 4, 4); near: (4, nj, ni, 4, 4) blocks
+    of the neighbours i−1, i+1, j−1, j+1; radius: (nj, ni) sum of spectral radii times face lengths.
     """
     nj, ni = q.shape[0], q.shape[2]
     w = np.empty((nj, ni, 4))

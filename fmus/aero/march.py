@@ -309,7 +309,8 @@ class Flow:
         else:
             raise MarchError(
                 f"time step to t = {times[0]:.4f} chords/a diverged at Mach {self.mach:g}, incidence "
-                f"{np.degrees(incidence):.2f} degrees, with three sizes of pseudo-step. Remedy: a smaller communication step or amplitude"
+                f"{np.degrees(incidence):.2f} degrees, with three sizes of pseudo-step. "
+                "Remedy: a smaller communication step or amplitude"
             )
         flow = np.empty_like(self.q)
         _turn(self.q, flow, c, -sine, 1.0, False)

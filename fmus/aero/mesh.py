@@ -60,7 +60,8 @@ def o_mesh(airfoil: str, cells_around: int, cells_normal: int, farfield_chords: 
     """
     if cells_around < 64 or cells_normal < 16:
         raise MeshError(
-            f"cells_around = {cells_around}, cells_normal = {cells_normal}: at least 64 and 16 are needed. Remedy: e.g. 168 and 48"
+            f"cells_around = {cells_around}, cells_normal = {cells_normal}: at least 64 and 16 are needed. "
+            "Remedy: e.g. 168 and 48"
         )
     circle = circle_map(contour(airfoil))
     rho = _radii(cells_around, cells_normal, farfield_chords / circle.radius)

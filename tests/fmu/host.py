@@ -256,6 +256,99 @@ def free_decay(path: str, start: dict[str, float], step_size: float, steps: int)
     return rows
 
 
+COARSE = {"cells_around": 64, "cells_normal": 16}
+
+
+def _pitch(flow: Instance, first: int, last: int, step_size: float) -> list[list[str]]:
+    rows = []
+    for i in range(first, last):
+        angle = 1e-3 * (i + 1)
+        flow["alpha"], flow["alpha_dot"] = angle, 1e-3 / step_size
+        assert flow.step(i * step_size, step_size) == 0, flow["error"]
+        rows.append([flow[name].hex() for name in ("lift", "moment", "C_L", "C_M", "C_D")])
+    return rows
+
+
+def aero_rollback(path: str, step_size: float, keep: str) -> Any:
+    """Pitch, go back, pitch again; the state as bytes in the file `keep`."""
+    flow = Instance(path).start(**COARSE)
+    _pitch(flow, 0, 4, step_size)
+    state = flow.fmu.getFMUstate()
+    data = flow.fmu.serializeFMUstate(state)
+    first = _pitch(flow, 4, 12, step_size)
+    flow.fmu.setFMUstate(state)
+    with open(keep, "wb") as file:
+        file.write(data)
+    return {"first": first, "second": _pitch(flow, 4, 12, step_size)}
+
+
+def aero_resume(path: str, step_size: float, kept: str) -> Any:
+    """Continue from a file's bytes in a new process."""
+    flow = Instance(path).start(**COARSE)
+    with open(kept, "rb") as file:
+        flow.fmu.setFMUstate(flow.fmu.deSerializeFMUstate(file.read()))
+    assert not flow["failed"], flow["error"]
+    return _pitch(flow, 4, 12, step_size)
+
+
+def family(aero: str, structure: str) -> Any:
+    """Two flows at two Mach numbers and a structure in one process, stepped in turn."""
+    slow, fast = Instance(aero, "slow"), Instance(aero, "fast", None)
+    slow.start(mach=0.5, mean_alpha=0.02, **COARSE)
+    fast.start(mach=0.75, mean_alpha=0.02, **COARSE)
+    wing = Instance(structure, "wing").start(forced_cycles=1.0, forced_ramp_cycles=0.0)
+    step_size = 1e-3
+    for i in range(5):
+        assert wing.step(i * step_size, step_size) == 0
+        for flow in (slow, fast):
+            for name in ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot"):
+                flow[name] = wing[name]
+            assert flow.step(i * step_size, step_size) == 0, flow["error"]
+    return {"alpha": wing["alpha"], "slow": slow["C_L"], "fast": fast["C_L"]}
+
+
+def bad_start(path: str, values: dict[str, Any]) -> Any:
+    """Start with values that must be refused."""
+    one = Instance(path).start(**values)
+    return {"failed": one["failed"], "error": one["error"], "status": one.step(0.0, 1e-3), "log": LOG}
+
+
+def bad_input(path: str, name: str) -> Any:
+    """A value that is not a number as an input, then a good one."""
+    one = Instance(path).start(**COARSE)
+    one[name] = float("nan")
+    statuses, error = [one.step(0.0, 1e-3)], one["error"]
+    one[name] = 0.0
+    statuses.append(one.step(0.0, 1e-3))
+    return {"statuses": statuses, "error": error, "failed": one["failed"]}
+
+
+def aero_fields(path: str, folder: str) -> Any:
+    """Write VTK files on the second of three steps; refuse without a folder."""
+    flow = Instance(path).start(field_folder=folder, **COARSE)
+    for i in range(3):
+        flow["write_fields"] = i == 1
+        flow["h"] = 0.01 * i
+        assert flow.step(i * 1e-3, 1e-3) == 0, flow["error"]
+    homeless = Instance(path).start(**COARSE)
+    homeless["write_fields"] = True
+    return {"files": sorted(os.listdir(folder)), "status": homeless.step(0.0, 1e-3), "error": homeless["error"]}
+
+
+def aero_many(path: str, count: int) -> Any:
+    """Instantiate and free many times, with a flow in the first and the last."""
+    folder = None
+    for i in range(count):
+        one = Instance(path, f"i{i}", folder)
+        folder = one.folder
+        if i in (0, count - 1):
+            one.start(**COARSE)
+            assert one.step(0.0, 1e-3) == 0
+        one.fmu.freeInstance()
+    gc.collect()
+    return count
+
+
 if __name__ == "__main__":
     answer = globals()[sys.argv[1]](*json.loads(sys.argv[2]))
     print("\n" + json.dumps(answer), flush=True)

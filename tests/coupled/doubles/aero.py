@@ -61,7 +61,7 @@ class Aero(Double):
         self.rho = self.static_pressure / (287.05 * self.static_temperature)
         self.U = self.mach * math.sqrt(1.4 * 287.05 * self.static_temperature)
         self.b, self.a = 0.5 * self.chord, 2.0 * self.elastic_axis - 1.0
-        self.trick, self.at = (self.airfoil.split() + ["0"])[:2]
+        self.trick, self.at = [*self.airfoil.split(), "0"][:2]
         self.w = self._downwash()
         self.lag = np.full(2, self.w)
         self._loads()
@@ -109,7 +109,7 @@ class Aero(Double):
         y = -self.chord * 0.5 * (r - 1.0 + 0.12) * np.sin(theta)
         axis = self.elastic_axis * self.chord
         c, s = math.cos(self.alpha), math.sin(self.alpha)
-        points = np.stack([axis + (x - axis) * c + y * s, -self.h - (x - axis) * s + y * c, 0 * x], axis=-1)
+        points = np.stack([(x - axis) * c + y * s, -self.h - (x - axis) * s + y * c, 0 * x], axis=-1)
         tm, rm = 0.5 * (theta[1:, 1:] + theta[1:, :-1]), 0.5 * (r[1:, 1:] + r[:-1, 1:])
         mach = self.mach + (0.4 + 4 * self.alpha) * np.maximum(np.sin(-tm), -0.5) / rm**2
         cells = {

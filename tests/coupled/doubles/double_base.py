@@ -21,6 +21,7 @@ class Double(Fmi2Slave):
 
     VARIABLES = ()
     STATE = ()
+    initializing = False
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -54,8 +55,17 @@ class Double(Fmi2Slave):
             self.log(traceback.format_exc().replace("%", "%%"), Fmi2Status.error)
             return False
 
+    def enter_initialization_mode(self):
+        self.initializing = True
+
     def exit_initialization_mode(self):
+        self.initializing = False
         self.guarded(self.begin)
+
+    def get_real(self, vrs):
+        if self.initializing:  # FMI 2.0: outputs asked for in initialisation mode follow from the inputs set so far
+            self.guarded(self.begin)
+        return super().get_real(vrs)
 
     def do_step(self, current_time, step_size):
         return self.guarded(self.advance, current_time, step_size)

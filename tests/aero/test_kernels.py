@@ -1,0 +1,211 @@
+"""Flux, wall, linearisation and line solver against identities that can be checked by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
+from fmus.aero.implicit import Factors, Recipe, _face_blocks, assemble
+from fmus.aero.march import Flow, _turn, bdf_weights
+from fmus.aero.mesh import Mesh, o_mesh
+from fmus.aero.wall import wall_state
+
+
+@pytest.fixture(scope="module")
+def mesh() -> Mesh:
+    return o_mesh("64A010", 100, 30, 20.0)
+
+
+def conserved(w: np.ndarray) -> np.ndarray:
+    r, u, v, p = w
+    return np.array([r, r * u, r * v, p / (GAMMA - 1) + 0.5 * r * (u * u + v * v)])
+
+
+def primitive(q: np.ndarray) -> np.ndarray:
+    r, a, b, e = q
+    return np.array([r, a / r, b / r, (GAMMA - 1) * (e - 0.5 * (a * a + b * b) / r)])
+
+
+def exact_flux(w: np.ndarray, n: np.ndarray, vn: float) -> np.ndarray:
+    un = w[1] * n[0] + w[2] * n[1]
+    return conserved(w) * (un - vn) + w[3] * np.array([0.0, n[0], n[1], un])
+
+
+def test_roe_flux_is_consistent_and_conservative() -> None:
+    n, vn = np.array([0.6, 0.8]), 0.13
+    a, b = np.array([1.1, 0.4, -0.2, 0.9]), np.array([0.8, 0.7, 0.1, 0.5])
+    np.testing.assert_allclose(roe(*n, vn, *a, *a), exact_flux(a, n, vn), rtol=1e-14)
+    np.testing.assert_allclose(roe(*n, vn, *a, *b), -np.array(roe(*-n, -vn, *b, *a)), rtol=1e-13)
+
+
+def test_roe_flux_is_upwind_in_supersonic_flow() -> None:
+    n = np.array([1.0, 0.0])
+    a = np.array([1.0, 3.0, 0.2, 1 / GAMMA])
+    b = a * 1.02
+    # exact to the difference between Roe's and arithmetic averages, of third order in the jump
+    np.testing.assert_allclose(roe(*n, 0.0, *a, *b), exact_flux(a, n, 0.0), rtol=2e-5)
+
+
+def test_still_contact_is_smeared_by_the_entropy_floor_alone() -> None:
+    flux = np.array(roe(1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 1.0))
+    c = np.sqrt(GAMMA / 0.75)
+    assert flux[0] == pytest.approx(0.5 * 0.025 * c * 0.5, rel=1e-12)
+    assert flux[1] == pytest.approx(1.0)
+
+
+def test_reconstruction_is_third_order_where_smooth_and_limited_at_a_jump() -> None:
+    # a parabola's face value from cell averages is met exactly with kappa = 1/3
+    def average(x: float) -> float:
+        return x * x + 1 / 12
+
+    behind, ahead = half_slopes(average(0) - average(-1), average(1) - average(0), 0.0)
+    assert average(0) + ahead == pytest.approx(0.25, abs=1e-14)
+    assert average(0) - behind == pytest.approx(0.25, abs=1e-14)
+    assert half_slopes(1.0, -1.0, 1.0) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert limiter(1.0, 1.0, 1.0) == 0.0
+    assert limiter(1.0, 1.0, 2.0) > 0.99
+
+
+@pytest.mark.parametrize("ni", [64, 100, 168])
+def test_moving_mesh_keeps_a_uniform_stream(ni: int) -> None:
+    """Plunge, pitch and BDF history together: away from the wall the unsteady residual is round-off."""
+    flow = Flow(o_mesh("64A010", ni, 24, 20.0), 0.8, -0.5)
+    stream = conserved(np.array([1.0, 0.8, 0.0, 1 / GAMMA]))
+    level = np.broadcast_to(stream[None, :, None], flow.q.shape).copy()
+    incidence, weights = 0.3, bdf_weights(np.array([0.0, -0.31, -0.57, -0.9]))
+    past = np.zeros_like(level)
+    for weight in weights[1:]:
+        _turn(level, past, np.cos(incidence), np.sin(incidence), float(weight), True)
+    _turn(level, flow.q, np.cos(incidence), np.sin(incidence), 1.0, False)
+    flow.farfield.set(incidence, 0.0)
+    flow._motion[:] = 0.11, -0.23, 0.17
+    flow._evaluate()
+    unsteady = flow._out + flow.mesh.volume[:, None] * (weights[0] * flow.q + past)
+    assert np.abs(unsteady[2:]).max() < 1e-12
+    assert np.abs(unsteady[0]).max() > 1e-4  # the body is felt
+
+
+def test_residual_is_galilean_invariant(mesh: Mesh) -> None:
+    """Stream and mesh moving together change no mass flux; momentum gains V times mass."""
+    nj, ni = mesh.shape
+    rng = np.random.default_rng(1)
+    w = np.array([1.0, 0.5, 0.1, 0.7])[None, :, None] * (1 + 0.05 * rng.standard_normal((nj, 4, ni)))
+    drift = np.array([0.21, -0.13])
+
+    def outflow(speed: np.ndarray) -> np.ndarray:
+        shifted = w.copy()
+        shifted[:, 1] += speed[0]
+        shifted[:, 2] += speed[1]
+        q = np.stack([conserved(shifted[j]) for j in range(nj)])
+        ghost, pressure, out = np.zeros((4, ni)), np.zeros(ni), np.zeros_like(q)
+        wall = np.zeros((5, ni))
+        wall[0], wall[1] = mesh.curvature, mesh.gap
+        motion = np.array([*speed, 0.0])
+        wall_state(q, mesh.ring, wall, motion, ghost, pressure)
+        far = np.ascontiguousarray(shifted[-1])
+        residual(
+            q.reshape(-1), out.reshape(-1), mesh.side.reshape(-1), mesh.ring.reshape(-1), ghost.reshape(-1), pressure,
+            far.reshape(-1), motion, ni, nj,
+        )  # fmt: skip
+        return out
+
+    still, moving = outflow(np.zeros(2)), outflow(drift)
+    np.testing.assert_allclose(moving[:, 0], still[:, 0], atol=1e-13)
+    np.testing.assert_allclose(moving[:, 1], still[:, 1] + drift[0] * still[:, 0], atol=1e-13)
+    np.testing.assert_allclose(moving[:, 2], still[:, 2] + drift[1] * still[:, 0], atol=1e-13)
+
+
+def test_residual_conserves(mesh: Mesh) -> None:
+    """Summed over the mesh only the two boundaries remain: mass leaves through the outer one alone."""
+    flow = Flow(mesh, 0.7, 0.25)
+    flow._begin(0.05, None)
+    rng = np.random.default_rng(2)
+    flow.q[:] *= 1 + 0.02 * rng.standard_normal(flow.q.shape)
+    flow._evaluate()
+    inside = flow._out[:, 0].sum()
+    flow.q[: mesh.shape[0] - 3] *= 1 + 0.05 * rng.standard_normal(flow.q[: mesh.shape[0] - 3].shape)
+    flow._evaluate()
+    assert flow._out[:, 0].sum() == pytest.approx(inside, abs=1e-12)
+
+
+def rotating_gas_error(cells: tuple[int, int], accelerated: bool) -> float:
+    """rms error of the wall pressure in gas that turns with the section, isentropic: enthalpy = constant + rate² r²/2."""
+    mesh = o_mesh("0012", *cells, 20.0)
+    (nj, ni), rate = mesh.shape, 0.4
+
+    def sound2(r2: np.ndarray) -> np.ndarray:
+        return 1 + (GAMMA - 1) * 0.5 * rate**2 * r2
+
+    x, y = mesh.centre[..., 0], mesh.centre[..., 1]
+    c2 = sound2(x * x + y * y)
+    density = c2 ** (1 / (GAMMA - 1))
+    w = np.stack([density, rate * y, -rate * x, density * c2 / GAMMA], axis=1)
+    q = np.stack([conserved(w[j]) for j in range(nj)])
+    middle = 0.5 * (mesh.node[0, 1:] + mesh.node[0, :-1])
+    wall = np.zeros((5, ni))
+    wall[0], wall[1], wall[3], wall[4] = mesh.curvature, mesh.gap, middle[:, 0], middle[:, 1]
+    if accelerated:
+        wall[2] = -(rate**2) * np.sum(middle.T * mesh.ring[0, :2], axis=0)
+    ghost, pressure = np.zeros((4, ni)), np.zeros(ni)
+    wall_state(q, mesh.ring, wall, np.array([0.0, 0.0, rate]), ghost, pressure)
+    exact = sound2(np.sum(middle**2, axis=1)) ** (GAMMA / (GAMMA - 1)) / GAMMA
+    return float(np.sqrt(np.mean((pressure - exact) ** 2)))
+
+
+def test_wall_pressure_on_a_rotating_section_is_second_order() -> None:
+    """dp/dn = −rho a_n, a_n = −rate² r·n; without that term the error falls with the first order only."""
+    coarse, fine = (rotating_gas_error(cells, True) for cells in ((100, 30), (200, 60)))
+    assert np.log2(coarse / fine) > 1.9
+    coarse, fine = (rotating_gas_error(cells, False) for cells in ((100, 30), (200, 60)))
+    assert np.log2(coarse / fine) < 1.2
+
+
+def test_face_blocks_are_the_derivative_of_the_flux() -> None:
+    n, length = np.array([0.6, 0.8]), 1.3
+    a, b = np.array([1.0, 0.6, 0.2, 0.7]), np.array([1.001, 0.6006, 0.2, 0.7004])
+    plus, minus = np.zeros((4, 4)), np.zeros((4, 4))
+    _face_blocks(*n, length, a, b, plus, minus, np.zeros((4, 4)))
+
+    def flux(qa: np.ndarray, qb: np.ndarray) -> np.ndarray:
+        return length * np.array(roe(*n, 0.0, *primitive(qa), *primitive(qb)))
+
+    qa, qb = conserved(a), conserved(b)
+    for k in range(4):
+        e = np.zeros(4)
+        e[k] = 1e-6
+        # |A| is frozen: the difference is of the order of the jump
+        np.testing.assert_allclose(plus[:, k], (flux(qa + e, qb) - flux(qa - e, qb)) / 2e-6, atol=2e-3)
+        np.testing.assert_allclose(minus[:, k], (flux(qa, qb + e) - flux(qa, qb - e)) / 2e-6, atol=2e-3)
+
+
+def test_line_solver_inverts_the_product_of_its_factors(mesh: Mesh) -> None:
+    nj, ni = mesh.shape
+    flow = Flow(mesh, 0.7, 0.25)
+    flow._begin(0.05, None)
+    recipe = Recipe(flow.q.copy(), flow.farfield.state.copy(), 0.7, 12.0)
+    factors = Factors(recipe, mesh)
+    r = np.random.default_rng(0).standard_normal(flow.q.shape)
+    x = np.zeros_like(r)
+    factors.solve(r, x)
+    diagonal, near, radius = np.empty((nj, ni, 4, 4)), np.empty((4, nj, ni, 4, 4)), np.empty((nj, ni))
+    assemble(flow.q, mesh.side, mesh.ring, flow.farfield.state, diagonal, near, radius)
+    diagonal += (mesh.volume * 0.7 + radius / 12.0)[..., None, None] * np.eye(4)
+
+    def times(blocks: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.einsum("jiab,jib->jia", blocks, v)
+
+    v = np.moveaxis(x, 1, 2)
+    edge = np.zeros_like(v[:1])
+    across = times(near[2], np.concatenate([edge, v[:-1]])) + times(near[3], np.concatenate([v[1:], edge]))
+    y = v + times(np.linalg.inv(diagonal), across)
+    product = times(diagonal, y) + times(near[0], np.roll(y, 1, axis=1)) + times(near[1], np.roll(y, -1, axis=1))
+    assert np.abs(product + np.moveaxis(r, 1, 2)).max() < 5e-6 * np.abs(r).max()  # factors are float32
+
+
+def test_time_weights_are_exact_for_parabolas_at_uneven_steps() -> None:
+    times = np.array([2.0, 1.7, 1.1, 0.9])
+    weights = bdf_weights(times)
+    assert weights.sum() == pytest.approx(0.0, abs=1e-13)
+    assert weights @ times == pytest.approx(1.0, rel=1e-13)
+    assert weights @ times**2 == pytest.approx(4.0, rel=1e-12)
