@@ -44,8 +44,7 @@ class Aitken:
     10.1007/s00466-008-0255-5).
 
     The factor follows from two successive residuals; the first pass of a step takes the full residual,
-    since with a good predictor and light added mass it nearly solves the step. The factor is kept within
-    ±`limit`.
+    since with a good predictor and light added mass it nearly solves the step. The factor is kept within ±`limit`.
     """
 
     name = "aitken"

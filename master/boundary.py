@@ -18,8 +18,7 @@ Marcher = Callable[[float], March]  # V_f → march
 
 @dataclass
 class BoundaryPoint:
-    """What the search found at one Mach number. `outcome` says in words what it means; `crossings` may be
-    empty."""
+    """What the search found at one Mach number. `outcome` says in words what it means; `crossings` may be empty."""
 
     mach: float
     crossings: list[Crossing]
@@ -50,12 +49,9 @@ def search(
     slope: float = FIRST_SLOPE,
     done: list[March] | None = None,
 ) -> BoundaryPoint:
-    """Find a neutral V_f at `mach` in [low, high], starting from `guess` with the expected dσ/dln V_f
-    `slope`.
+    """Find a neutral V_f at `mach` in [low, high], starting from `guess` with the expected dσ/dln V_f `slope`.
 
-    `done`: marches made before at this Mach number. Every march is kept, and every crossing among them
-    reported.
-    """
+    `done`: marches made before at this Mach number. Every march is kept, and every crossing among them reported."""
     begin = clock.perf_counter()
     marches = list(done or [])
     failure: ComponentError | None = None
@@ -91,8 +87,7 @@ def boundary(
     max_marches: int,
     on_point: Callable[[BoundaryPoint], None] = lambda point: None,
 ) -> list[BoundaryPoint]:
-    """Search every Mach number; each starts from its nearest solved neighbour's result, the first from
-    `guess`.
+    """Search every Mach number; each starts from its nearest solved neighbour's result, the first from `guess`.
 
     `marcher_at(mach)` gives the marcher and a function that closes it. A Mach number whose component
     fails before any march is a point with that outcome; the others go on.
@@ -118,8 +113,7 @@ def boundary(
 
 
 def _prior(points: list[BoundaryPoint], mach: float, guess: float) -> tuple[float, float]:
-    """Guess of V_f and of dσ/dln V_f from Mach numbers solved: linear in Mach from the two nearest,
-    within 40 %."""
+    """Guess of V_f and of dσ/dln V_f from Mach numbers solved: linear in Mach from the two nearest, within 40 %."""
     solved = sorted((p for p in points if p.crossings), key=lambda p: abs(p.mach - mach))
     if not solved:
         return guess, FIRST_SLOPE

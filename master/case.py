@@ -1,10 +1,8 @@
-"""A case: every setting of a run, typed, with unit, range and description; read from TOML, written back
-resolved.
+"""A case: every setting of a run, typed, with unit, range and description; read from TOML, written back resolved.
 
 The tables of the file are the dataclasses below, the keys their fields. Angles are in degrees only where
 the key ends in `_deg`; everything else is SI and radians. A key that does not exist, a wrong type or a
-value out of range is refused with file, line, key and remedy (`AeroSloshError`, exit code 2).
-"""
+value out of range is refused with file, line, key and remedy (`AeroSloshError`, exit code 2)."""
 
 from __future__ import annotations
 
@@ -55,8 +53,7 @@ class Section:
 
 @dataclass
 class Flow:
-    """The stream. Air is fixed (gamma 1.4, R 287.05): V_f changes the structure's stiffness, not the
-    stream."""
+    """The stream. Air is fixed (gamma 1.4, R 287.05): V_f changes the structure's stiffness, not the stream."""
 
     mach: float = key(0.825, "freestream Mach number", low=0.05, high=1.3)
     static_pressure: float = key(101325.0, "freestream static pressure", "Pa", above=0.0)
@@ -78,8 +75,7 @@ class Aero:
 
 @dataclass
 class Flutter:
-    """One march: steady start, forced pitch, release, free response. Cycles are periods 2 pi /
-    omega_alpha."""
+    """One march: steady start, forced pitch, release, free response. Cycles are periods 2 pi / omega_alpha."""
 
     V_f: float = key(0.612, "flutter speed index U / (b omega_alpha sqrt(mu))", low=0.01, high=50.0)
     forced_amplitude_deg: float = key(1.0, "amplitude of the forced pitch", "deg", low=0.0, high=20.0)
@@ -95,7 +91,7 @@ class Flutter:
         choices=["auto"],
     )
     initial_alpha_dot: float = key(0.0, "initial pitch rate / omega_alpha (starts without forcing)", "rad", low=-1, high=1)
-    max_alpha_deg: float = key(20.0, "the march ends when |alpha| exceeds this", "deg", above=0.0, high=90.0)
+    max_alpha_deg: float = key(12.0, "the march ends when |alpha| exceeds this", "deg", above=0.0, high=90.0)
     neutral_band: float = key(5e-4, "|growth rate| / omega_alpha below this is called neutral", low=0.0, high=0.1)
 
 
@@ -156,8 +152,7 @@ TABLES: dict[str, Any] = {name: hint for name, hint in typing.get_type_hints(Cas
 
 
 def load(path: Path, overrides: Sequence[str] = ()) -> Case:
-    """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key,
-    remedy)."""
+    """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:

@@ -1,5 +1,4 @@
-"""The command `aeroslosh`: `point` marches one V_f, `boundary` finds the neutral V_f of several Mach
-numbers."""
+"""The command `aeroslosh`: `point` marches one V_f, `boundary` finds the neutral V_f of several Mach numbers."""
 
 from __future__ import annotations
 
@@ -30,8 +29,7 @@ PUBLISHED = Path(__file__).with_name("published.csv")
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run and end the process with the exit code of `errors.ExitCode`.
 
-    `os._exit`: pythonfmu's wrapper releases its interpreter state twice at a normal exit, which can abort.
-    """
+    `os._exit`: pythonfmu's wrapper releases its interpreter state twice at a normal exit, which can abort."""
     code: int = ExitCode.OK
     try:
         code = run(arguments)
@@ -180,10 +178,12 @@ def boundary_command(
     spent = f"{cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU"
     text = f"Flutter boundary of {case.name}\n{summary}\n  cost         {spent}"
     _print(options, data, text, folder)
-    failures = [p.failure for p in points if p.failure is not None]
-    for failure in failures:
-        show(failure)
-    if failures:
+    for p in points:
+        if p.failure is not None and p.converged:  # a march failed, the search went round it: its log tells more
+            print(f"note: Mach {p.mach:g}: {p.failure.what}", file=sys.stderr)
+        elif p.failure is not None:
+            show(p.failure)
+    if any(p.failure is not None and not p.converged for p in points):
         return ExitCode.COMPONENT
     return ExitCode.OK if all(p.converged for p in points) else ExitCode.UNDETERMINED
 

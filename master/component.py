@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import fmpy
 import numpy as np
@@ -34,9 +34,16 @@ KINDS: dict[str, Any] = {
 }
 
 
+class Saved(NamedTuple):
+    """A saved state of one instance: the FMU's own, its time [s] and the steps done."""
+
+    state: Any
+    time: float
+    steps: int
+
+
 class Group:
-    """Variables of one type that travel together; `values` is a numpy view (float64 or int32) of the C
-    buffer."""
+    """Variables of one type that travel together; `values` is a numpy view (float64 or int32) of the C buffer."""
 
     def __init__(self, component: Component, names: Sequence[str], kind: str) -> None:
         self.names = list(names)
@@ -51,15 +58,25 @@ class Group:
 
     def get(self) -> None:
         """Read the FMU's values into `values`."""
-        if self._count:
-            with self._component.calling(self._getter) as fmu:
-                getattr(fmu, self._getter)(fmu.component, self._references, self._count, self._buffer)
+        self._call(self._getter)
 
     def set(self) -> None:
         """Write `values` to the FMU."""
-        if self._count:
-            with self._component.calling(self._setter) as fmu:
-                getattr(fmu, self._setter)(fmu.component, self._references, self._count, self._buffer)
+        self._call(self._setter)
+
+    def _call(self, function: str) -> None:
+        """`Component.calling` written out: this runs several times a step."""
+        if not self._count:
+            return
+        component, begin = self._component, clock.perf_counter()
+        fmu = component.fmu
+        try:
+            getattr(fmu, function)(fmu.component, self._references, self._count, self._buffer)
+        except FMICallException as error:
+            raise component.failure(error, function) from None
+        spent = clock.perf_counter() - begin
+        component.wall += spent
+        component.cpu += spent
 
 
 class Component:
@@ -70,8 +87,7 @@ class Component:
     whole, truth    groups of all Integer (and enumeration) and all Boolean outputs; read them with
                     `.get()` when needed
     cpu, wall       seconds spent inside its FMI calls
-    Raises AeroSloshError for a file that is no usable FMU, ComponentError when a call fails.
-    """
+    Raises AeroSloshError for a file that is no usable FMU, ComponentError when a call fails."""
 
     def __init__(self, path: Path, name: str, log_lines: int = 2000) -> None:
         self.path, self.name = path, name
@@ -95,7 +111,7 @@ class Component:
         self.state = "created"
         self._callbacks = self._make_callbacks()
         try:
-            self._fmu = fmi2.FMU2Slave(
+            self.fmu = fmi2.FMU2Slave(
                 guid=self.description.guid,
                 unzipDirectory=str(self.folder),
                 modelIdentifier=simulation.modelIdentifier,
@@ -198,8 +214,8 @@ class Component:
         self.time += dt
         self.steps += 1
 
-    def save(self) -> tuple[Any, float]:
-        """The FMU's whole state and its time; free it with `free`."""
+    def save(self) -> Saved:
+        """The FMU's whole state; free it with `free`."""
         if not self.can_rewind:
             raise AeroSloshError(
                 f"{self.name} cannot save and restore its state (canGetAndSetFMUstate is false)",
@@ -207,19 +223,19 @@ class Component:
                 'use coupling.scheme = "gauss-seidel", or another export of this FMU',
             )
         with self.calling("fmi2GetFMUstate") as fmu:
-            return fmu.getFMUState(), self.time
+            return Saved(fmu.getFMUState(), self.time, self.steps)
 
-    def rewind(self, saved: tuple[Any, float]) -> None:
+    def rewind(self, saved: Saved) -> None:
         """Return to a saved state (which stays valid) and read the outputs of it."""
         with self.calling("fmi2SetFMUstate") as fmu:
-            fmu.setFMUState(saved[0])
-        self.time = saved[1]
+            fmu.setFMUState(saved.state)
+        self.time, self.steps = saved.time, saved.steps
         self.outputs.get()
 
-    def free(self, saved: tuple[Any, float]) -> None:
+    def free(self, saved: Saved) -> None:
         """Free a saved state."""
         with self.calling("fmi2FreeFMUstate") as fmu:
-            fmu.freeFMUState(saved[0])
+            fmu.freeFMUState(saved.state)
 
     # inside
 
@@ -232,20 +248,24 @@ class Component:
         """
         cpu, wall = clock.process_time() if heavy else 0.0, clock.perf_counter()
         try:
-            yield self._fmu
+            yield self.fmu
         except FMICallException as error:
-            raise self._failure(f"{error.function} returned '{STATUS.get(error.status, error.status)}'", what) from None
+            raise self.failure(error, what) from None
         finally:
             spent = clock.perf_counter() - wall
             self.wall += spent
             self.cpu += clock.process_time() - cpu if heavy else spent
+
+    def failure(self, error: FMICallException, what: str) -> ComponentError:
+        """What a user sees of a call that returned a bad status."""
+        return self._failure(f"{error.function} returned '{STATUS.get(error.status, error.status)}'", what)
 
     def _failure(self, said: str, what: str) -> ComponentError:
         """The error a user sees: the FMU's `error` line when it has one, and the messages of its log."""
         line = ""
         if "error" in self.variables and self.variables["error"].type == "String":
             try:
-                raw = self._fmu.getString([self.variables["error"].valueReference])[0]
+                raw = self.fmu.getString([self.variables["error"].valueReference])[0]
                 line = raw.decode("utf-8", "replace").strip() if raw else ""
             except FMICallException:
                 line = ""  # an instance too broken to answer: the log must do
@@ -287,7 +307,7 @@ class Component:
         self.messages.clear()
         cpu, wall = clock.process_time(), clock.perf_counter()
         try:
-            self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
             trace = "\n".join(text for _, text in self.messages)
             raise ComponentError(
@@ -305,5 +325,5 @@ class Component:
 
     def _free(self) -> None:
         if self.state not in ("created", "freed"):
-            self._fmu.fmi2FreeInstance(self._fmu.component)
+            self.fmu.fmi2FreeInstance(self.fmu.component)
             self.state = "freed"

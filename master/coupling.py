@@ -1,8 +1,7 @@
 """One communication step of a system, by the scheme the case names.
 
 Inputs are values at the END of the step. A scheme is a small class with a `name`, `reset(system)` (after
-initialisation or a rewind) and `step(system, dt)`; Jacobi and quasi-Newton schemes fit the same face.
-"""
+initialisation or a rewind) and `step(system, dt)`; Jacobi and quasi-Newton schemes fit the same face."""
 
 from __future__ import annotations
 
@@ -20,8 +19,7 @@ EXTRAPOLATION = {0: (1.0,), 1: (2.0, -1.0), 2: (3.0, -3.0, 1.0)}  # weights of y
 
 @dataclass(frozen=True)
 class StepReport:
-    """What one step took: passes over the components, the last relative change, and whether it was small
-    enough."""
+    """What one step took: passes over the components, the last relative change, and whether it was small enough."""
 
     passes: int = 1
     change: float = 0.0
@@ -41,8 +39,7 @@ class Scheme(Protocol):
 
 
 class Predictor:
-    """Extrapolates what the lagged wires will carry, by a polynomial of `order` 0, 1 or 2 through the
-    last values."""
+    """Extrapolates what the lagged wires will carry, by a polynomial of `order` 0, 1 or 2 through the last values."""
 
     def __init__(self, order: int) -> None:
         self.order = order
@@ -63,8 +60,7 @@ class Predictor:
 
 
 class GaussSeidel:
-    """One pass in the order of the components; what is not yet known is extrapolated. Second order with
-    order ≥ 1."""
+    """One pass in the order of the components; what is not yet known is extrapolated. Second order with order ≥ 1."""
 
     name = "gauss-seidel"
 
@@ -153,8 +149,7 @@ class Implicit:
 
 
 def one_pass(system: System, carried: np.ndarray, dt: float) -> None:
-    """Step every component in order; `carried` holds the assumed values of the lagged wires. Others are
-    fresh."""
+    """Step every component in order; `carried` holds the assumed values of the lagged wires. Others are fresh."""
     lagged = system.lagged_array
     for i in range(len(system.components)):
         now = system.wire_values()

@@ -1,8 +1,7 @@
 """Growth rate and frequency of a free response, with uncertainties.
 
 Plunge and pitch are fitted together by exponentials with shared poles (module `poles`).
-1. The number of modes, and whether a real decay goes with them, is what the Bayesian information
-   criterion prefers.
+1. The number of modes, and whether a real decay goes with them, is what the Bayesian information criterion prefers.
 2. The part just after the release, where quickly damped aerodynamic modes live, is skipped when that
    halves the residual's variance.
 3. The flutter mode is the least damped one that makes a visible share of a channel.
@@ -74,8 +73,7 @@ class Fit:
 
 
 def analyse(tau: np.ndarray, channels: np.ndarray) -> Fit | None:
-    """Fit the free response `channels` (n_channels, n) sampled at equidistant `tau` (n,). None when
-    nothing fits."""
+    """Fit the free response `channels` (n_channels, n) sampled at equidistant `tau` (n,). None when nothing fits."""
     y = np.atleast_2d(np.asarray(channels, dtype=float))
     if tau.size < 24 or not np.all(np.isfinite(y)):
         return None

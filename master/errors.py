@@ -11,8 +11,7 @@ class ExitCode(IntEnum):
     OK             the run ended and its verdict stands
     INPUT          a bad case, override, command line, missing FMU or output folder; nothing was computed
     COMPONENT      an FMU failed (its message and traceback were shown); the history so far is kept
-    UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short,
-                   too noisy)
+    UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short, too noisy)
     INTERRUPTED    stopped by Ctrl-C
     """
 
@@ -24,8 +23,7 @@ class ExitCode(IntEnum):
 
 
 class AeroSloshError(Exception):
-    """An error told in three parts: `what` happened, `where` (file, line, key, FMU, time), and the
-    `remedy`."""
+    """An error told in three parts: `what` happened, `where` (file, line, key, FMU, time), and the `remedy`."""
 
     def __init__(self, what: str, where: str = "", remedy: str = "", code: ExitCode = ExitCode.INPUT) -> None:
         self.what, self.where, self.remedy, self.code = what, where, remedy, code
@@ -41,8 +39,7 @@ class AeroSloshError(Exception):
 
 
 class ComponentError(AeroSloshError):
-    """An FMU failed. `component` is its name, `time` [s] the start of the step, `traceback` what its log
-    said."""
+    """An FMU failed. `component` is its name, `time` [s] the start of the step, `traceback` what its log said."""
 
     def __init__(self, what: str, where: str, remedy: str, component: str, time: float, traceback: str) -> None:
         self.component, self.time, self.traceback = component, time, traceback

@@ -36,8 +36,7 @@ Watcher = Callable[[int, int, FlutterRig], None]  # step, steps, rig
 
 @dataclass
 class Cost:
-    """Seconds of one march. `cpu` by component, `wall` of the whole march, `total_cpu` of the process in
-    it."""
+    """Seconds of one march. `cpu` by component, `wall` of the whole march, `total_cpu` of the process in it."""
 
     cpu: dict[str, float]
     wall: float
@@ -56,8 +55,7 @@ class March:
 
     release        index of the first free sample (the release itself)
     failure        the component failure that ended the march, if one did; `stopped` any other early end
-    unconverged    steps whose coupling iteration, or whose aero subiteration, did not converge
-    """
+    unconverged    steps whose coupling iteration, or whose aero subiteration, did not converge"""
 
     scales: Scales
     history: dict[str, np.ndarray]
@@ -85,8 +83,7 @@ class March:
 def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: Watcher | None = None) -> March:
     """March `rig` at `V_f`. A failing component ends the march: the history so far is kept and judged.
 
-    `field_folder`: where the rig's aero FMU writes flow fields; four instants of the last free period are
-    asked for.
+    `field_folder`: where the rig's aero FMU writes flow fields; four instants of the last free period are asked for.
     """
     begin_wall, begin_cpu = clock.perf_counter(), clock.process_time()
     before = {c.name: c.cpu for c in rig.system.components}

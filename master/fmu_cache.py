@@ -30,8 +30,7 @@ def sha256(path: Path) -> str:
 
 
 def cache_root() -> Path:
-    """`$XDG_CACHE_HOME/aeroslosh/fmus` when that is a plain path, else a private folder below the
-    temporary one."""
+    """`$XDG_CACHE_HOME/aeroslosh/fmus` when that is a plain path, else a private folder below the temporary one."""
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute()
     root = base / "aeroslosh" / "fmus"
     if _PLAIN.fullmatch(str(root)):

@@ -1,5 +1,4 @@
-"""Pictures of a run: histories with the fitted envelope, phase plot, Mach field at four instants, the
-boundary."""
+"""Pictures of a run: histories with the fitted envelope, phase plot, Mach field at four instants, the boundary."""
 
 from __future__ import annotations
 
@@ -135,8 +134,7 @@ def phase(march: March, path: Path) -> None:
 def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> None:
     """Mach number about the airfoil at the recorded instants (four), with the sonic line.
 
-    The files' origin is the elastic axis at rest; x/c of the picture counts from the leading edge at rest.
-    """
+    The files' origin is the elastic axis at rest; x/c of the picture counts from the leading edge at rest."""
     with plt.rc_context(STYLE | {"axes.grid": False}):
         n = len(march.fields)
         figure, axes = plt.subplots(
@@ -184,8 +182,7 @@ def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> N
 
 
 def boundary(points: list[BoundaryPoint], path: Path, reference: Path | None = None) -> None:
-    """Neutral V_f over Mach with error bars, every march as a dot (growing or damped), and published
-    points."""
+    """Neutral V_f over Mach with error bars, every march as a dot (growing or damped), and published points."""
     with plt.rc_context(STYLE):
         figure, axis = plt.subplots(figsize=(7.0, 4.8))
         for grows, color, label in ((False, GREEN, "march: damped"), (True, RED, "march: growing")):

@@ -1,5 +1,4 @@
-"""Live progress on standard error: step, time left, each FMU's share of the cost. Plain lines when not a
-terminal."""
+"""Live progress on standard error: step, time left, each FMU's share of the cost. Plain lines when not a terminal."""
 
 from __future__ import annotations
 

@@ -60,8 +60,7 @@ def provenance(fmus: dict[str, str]) -> dict[str, Any]:
 class RunFolder:
     """Context manager over the hidden folder `path`; renamed to `target` when the block ends well.
 
-    On an exception the hidden folder is removed, unless `keep()` was called: then what was written is
-    published too.
+    On an exception the hidden folder is removed, unless `keep()` was called: then what was written is published too.
     """
 
     def __init__(self, target: Path) -> None:

@@ -6,10 +6,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from master.case import Case
-from master.component import Component
+from master.component import Component, Saved
 from master.errors import AeroSloshError
 from master.similarity import Scales, scales
 from master.system import System, wires
@@ -59,7 +58,7 @@ class FlutterRig:
         self.structure = Component(fmus["structure"], "structure")
         self.aero = Component(fmus["aero"], "aero")
         self.system = System([self.structure, self.aero], wires(WIRES))
-        self._steady: tuple[Any, float] | None = None
+        self._steady: Saved | None = None
         say(f"steady flow at Mach {mach:g}")
         try:
             self._solve_steady(field_folder)

@@ -1,5 +1,4 @@
-"""Neutral V_f from few marches: the growth rate σ(V_f) as a function known at a handful of points with
-uncertainty.
+"""Neutral V_f from few marches: the growth rate σ(V_f) as a function known at a handful of points with uncertainty.
 
 `crossings` reads every sign change of σ out of the marches done so far, with direction and error bar;
 `propose` says where the next march pays most, or that the search may end. Neither runs anything, so a
@@ -21,8 +20,7 @@ OVERSHOOT = 1.15  # an extrapolated root is overshot a little, so that it become
 
 @dataclass(frozen=True)
 class Sample:
-    """One march: growth rate σ/ω_α ± std at V_f, frequency ω/ω_α; `growth_rate` nan when the march gave
-    none."""
+    """One march: growth rate σ/ω_α ± std at V_f, frequency ω/ω_α; `growth_rate` nan when the march gave none."""
 
     V_f: float
     growth_rate: float
@@ -68,8 +66,7 @@ def crossings(samples: Sequence[Sample], tolerance: float) -> list[Crossing]:
 
 
 def good_enough(crossing: Crossing, samples: Sequence[Sample], tolerance: float) -> bool:
-    """True when the root's interpolation error is within a third of `tolerance` and it was looked at from
-    near."""
+    """True when the root's interpolation error is within a third of `tolerance` and it was looked at from near."""
     known = _known(samples)
     near = min(abs(s.V_f - crossing.V_f) for s in known)
     return (
@@ -170,8 +167,7 @@ def _root(known: list[Sample], i: int, j: int, bracketed: bool) -> Crossing:
     """Root of σ near samples i, j: by the parabola, or by the weighted line, through them and a third neighbour.
 
     Each has its curvature error and its noise; the one with the least of both together is taken: the parabola for
-    clean marches, the line for noisy ones. Two samples alone give a line of unknown curvature error.
-    """
+    clean marches, the line for noisy ones. Two samples alone give a line of unknown curvature error."""
     a, b = known[i], known[j]
     chord = a.V_f - a.growth_rate * (b.V_f - a.V_f) / (b.growth_rate - a.growth_rate)
     third = [known[k] for k in (i - 1, j + 1) if 0 <= k < len(known)]

@@ -67,8 +67,7 @@ def scales(case: Case, mach: float, V_f: float) -> Scales:
 
 
 def _steps(case: Case, period: float, speed: float) -> int:
-    """Steps a period: the case's, or a step in which the stream travels 0.3 chords (aero accuracy), at
-    least 48."""
+    """Steps a period: the case's, or a step in which the stream travels 0.3 chords (aero accuracy), at least 48."""
     wanted = case.flutter.steps_per_cycle
     if isinstance(wanted, int):
         return wanted

@@ -1,5 +1,4 @@
-"""Components and the wires between their Real outputs and inputs; everything is checked before anything
-runs."""
+"""Components and the wires between their Real outputs and inputs; everything is checked before anything runs."""
 
 from __future__ import annotations
 
@@ -43,11 +42,9 @@ class System:
     """Components stepped in the order given, and their wires.
 
     values   all Real outputs of all components, one after the other. Shape: (n_outputs,)
-    lagged   positions in `wires` whose source is stepped after (or is) the target: the schemes must
-             predict these
+    lagged   positions in `wires` whose source is stepped after (or is) the target: the schemes must predict these
     loops    each algebraic loop found, as the names along it (direct feed-through by the model descriptions)
-    Raises AeroSloshError when a wire's ends do not exist, do not fit, or an input is wired twice.
-    """
+    Raises AeroSloshError when a wire's ends do not exist, do not fit, or an input is wired twice."""
 
     def __init__(self, components: Sequence[Component], connections: Sequence[Wire]) -> None:
         self.components = list(components)
@@ -84,8 +81,7 @@ class System:
         """Initialise every component not yet initialised, with consistent initial inputs along the wires.
 
         Components already initialised keep their state. The exchange is repeated until it settles, which also
-        solves algebraic loops at the start (Aitken's relaxation); `initial_change` tells how well.
-        """
+        solves algebraic loops at the start (Aitken's relaxation); `initial_change` tells how well."""
         fresh = [c for c in self.components if c.state == "instantiated"]
         for component in fresh:
             component.enter_initialization(start_time)
@@ -202,8 +198,7 @@ class System:
             )
 
     def _find_loops(self) -> list[list[str]]:
-        """Loops of direct feed-through: wires, and input → output where the model structure lists the
-        dependency."""
+        """Loops of direct feed-through: wires, and input → output where the model structure lists the dependency."""
         edges: dict[str, list[str]] = {}
         for wire in self.wires:
             edges.setdefault(wire.source, []).append(wire.target)

@@ -1,5 +1,4 @@
-"""Reads the flow fields that the aero FMU writes: VTK XML structured grids (.vts), inline base64, no
-compression."""
+"""Reads the flow fields that the aero FMU writes: VTK XML structured grids (.vts), inline base64, no compression."""
 
 from __future__ import annotations
 
@@ -17,8 +16,7 @@ TYPES = {"Float32": "f4", "Float64": "f8", "Int32": "i4", "Int64": "i8"}
 
 @dataclass(frozen=True)
 class Field:
-    """x, y: nodes, shape (nj + 1, ni + 1), i around the airfoil and j = 0 on it. cells: name → (nj, ni[,
-    3])."""
+    """x, y: nodes, shape (nj + 1, ni + 1), i around the airfoil and j = 0 on it. cells: name → (nj, ni[, 3])."""
 
     x: np.ndarray
     y: np.ndarray

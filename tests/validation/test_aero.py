@@ -1,0 +1,96 @@
+"""Aerodynamics alone: grid convergence, exact lift, forced pitch against SU2, order in time. Prints the figures it judges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.aero.march import Flow, Motion, Settings
+from fmus.aero.mesh import o_mesh
+
+pytestmark = pytest.mark.validation
+DATA = Path(__file__).resolve().parents[1] / "data"
+
+
+def steady(airfoil: str, cells: tuple[int, int], mach: float, alpha_deg: float, farfield: float = 25.0, axis: float = 0.25) -> Flow:
+    flow = Flow(o_mesh(airfoil, *cells, farfield), mach, axis, Settings(steady_tolerance=3e-8, steady_iterations=20000))
+    flow.solve_steady(np.radians(alpha_deg))
+    return flow
+
+
+def test_lift_converges_on_nested_grids() -> None:
+    """Mach 0.70, 3 degrees (the paper's section IV A)."""
+    lifts = {}
+    for cells in ((84, 24), (168, 48), (336, 96)):
+        flow = steady("64A010", cells, 0.7, 3.0)
+        lifts[cells[0] * cells[1]] = flow.coefficients.lift
+        print(f"\n{cells[0] * cells[1]:6d} cells  C_L {flow.coefficients.lift:.5f}  C_D {flow.coefficients.drag:.5f}", end="")
+    coarse, middle, fine = lifts.values()
+    print(f"\nchange 8,064 to 32,256: {abs(middle / fine - 1):.3%}")
+    assert abs(middle / fine - 1) < 0.0015
+    assert np.log2(abs(coarse - middle) / abs(middle - fine)) > 1.8
+
+
+@pytest.mark.parametrize(("airfoil", "alpha"), [("64A010", 2.0), ("0012", 2.0), ("2412", 1.0)])
+@pytest.mark.parametrize("mach", [0.1, 0.2])
+def test_lift_at_low_speed_is_exact(airfoil: str, alpha: float, mach: float) -> None:
+    """Conformal map with the Prandtl–Glauert factor; 0.3 percent."""
+    flow = steady(airfoil, (168, 48), mach, alpha)
+    exact = flow.mesh.circle.lift_coefficient(np.radians(alpha)) / np.sqrt(1 - mach**2)
+    print(f"\n{airfoil} Mach {mach}: C_L {flow.coefficients.lift:.5f}, exact {exact:.5f} ({flow.coefficients.lift / exact - 1:+.3%})")
+    assert flow.coefficients.lift == pytest.approx(exact, rel=0.003)
+
+
+def test_subcritical_flow_has_no_drag() -> None:
+    drag = steady("64A010", (168, 48), 0.5, 2.0).coefficients.drag
+    print(f"\nC_D at Mach 0.50, 2 degrees: {drag:.1e}")
+    assert abs(drag) < 5e-5
+
+
+def test_lift_does_not_depend_on_the_farfield() -> None:
+    lifts = [steady("64A010", (168, cells), 0.7, 3.0, farfield).coefficients.lift for farfield, cells in ((12, 44), (25, 48), (100, 58))]
+    print("\nC_L with the boundary at 12, 25, 100 chords:", lifts)
+    assert np.ptp(lifts) / lifts[-1] < 0.001
+
+
+def forced_pitch(cells: tuple[int, int], steps: int, periods: int, tolerance: float) -> dict[str, complex]:
+    """First harmonics of the last period relative to the pitch: amplitude and phase of C_L and C_M. Davis case (AGARD CT6)."""
+    mach, k, axis, amplitude = 0.796, 0.202, 0.248, np.radians(1.01)
+    flow = Flow(o_mesh("64A010", *cells, 25.0), mach, axis, Settings(tolerance=tolerance, max_subiterations=60))
+    flow.solve_steady(0.0)
+    omega = 2 * k * mach
+    dt = 2 * np.pi / omega / steps
+    rows = []
+    for i in range(1, periods * steps + 1):
+        s, c = amplitude * np.sin(omega * i * dt), amplitude * np.cos(omega * i * dt)
+        flow.step(Motion(alpha=s, alpha_dot=omega * c, alpha_ddot=-(omega**2) * s), float(s), dt)
+        rows.append((i * dt * omega, flow.coefficients.lift, flow.coefficients.moment))
+    last = np.array(rows[-steps:])
+    turn = 2j * np.exp(-1j * last[:, 0])
+    return {name: complex(np.mean(last[:, n] * turn)) for name, n in (("C_L", 1), ("C_M", 2))}
+
+
+def test_forced_pitch_follows_su2() -> None:
+    """3 percent and 3 degrees in the third period."""
+    table = np.loadtxt(DATA / "su2_ct6.csv", delimiter=",", comments="#")
+    third = table[(table[:, 1] > 2) & (table[:, 1] <= 3)]
+    turn = 2j * np.exp(-2j * np.pi * third[:, 1])
+    ours = forced_pitch((168, 48), 64, 3, 3e-3)
+    for name, column in (("C_L", 3), ("C_M", 4)):
+        theirs = complex(np.mean(third[:, column] * turn))
+        ratio = ours[name] / theirs
+        print(f"\n{name}: ours {abs(ours[name]):.5f} at {np.degrees(np.angle(ours[name])):.2f}, SU2 {abs(theirs):.5f} at "
+              f"{np.degrees(np.angle(theirs)):.2f} degrees", end="")  # fmt: skip
+        assert abs(abs(ratio) - 1) < 0.03
+        assert abs(np.degrees(np.angle(ratio))) < 3
+
+
+def test_march_is_second_order_in_time() -> None:
+    """Harmonics of the second period at 24, 48 and 96 steps a period against 288."""
+    fine = forced_pitch((96, 32), 288, 2, 1e-4)
+    errors = [abs(forced_pitch((96, 32), steps, 2, 1e-4)["C_M"] - fine["C_M"]) / abs(fine["C_M"]) for steps in (24, 48, 96)]
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    print("\nerrors", errors, "orders", orders)
+    assert orders.min() > 1.7
