@@ -12,10 +12,10 @@ flutter: dist/fmus/.built
 	$(RUN) boundary cases/isogai_a.toml --out runs/flutter_boundary
 
 test: dist/fmus/.built
-	$(PY) -m pytest
+	$(PY) -m pytest -q
 
 validate: dist/fmus/.built
-	$(PY) -m pytest -m validation
+	$(PY) -m pytest -m validation -s
 
 bench: dist/fmus/.built
 	$(PY) -m benchmarks

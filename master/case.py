@@ -66,8 +66,8 @@ class Flow:
 class Aero:
     """Settings of the aero FMU; "auto" leaves the FMU's own value."""
 
-    cells_around: int = key(168, "cells around the airfoil", low=16, high=4096)
-    cells_normal: int = key(48, "cells from wall to farfield", low=8, high=2048)
+    cells_around: int = key(168, "cells around the airfoil", low=64, high=4096)
+    cells_normal: int = key(48, "cells from wall to farfield", low=16, high=1024)
     farfield_chords: float = key(25.0, "distance of the outer boundary", "chords", low=5.0, high=1000.0)
     tolerance: float | str = key("auto", "tolerance of the subiterations", above=0.0, choices=["auto"])
     max_subiterations: int | str = key("auto", "most subiterations a step", low=1, choices=["auto"])
@@ -85,7 +85,7 @@ class Flutter:
     free_cycles: float = key(5.0, "free periods after release", "cycles", low=1.5, high=1000.0)
     steps_per_cycle: int | str = key(
         "auto",
-        "steps a period; auto: 0.3 chords of travel, at least 48",
+        "steps a period; auto: 0.2 chords of travel, at least 72",
         low=12,
         high=100000,
         choices=["auto"],

@@ -3,6 +3,7 @@
 A contour is an array of shape (n, 2) in chords, in Selig order: trailing edge, upper side, leading edge, lower side, trailing
 edge. Its first and last points are the same sharp trailing edge; the leading edge is at x = 0, the trailing edge at x = 1.
 """
+
 from __future__ import annotations
 
 import csv

@@ -4,6 +4,7 @@ z (section plane, chords) ↔ ζ (near circle, corner removed) ↔ w (|w| ≥ 1)
 surface slopes and curvature, and the exact incompressible lift.
 Sources: Kármán and Trefftz, ZFM 9 (1918) 111; Theodorsen, NACA Report 411 (1931).
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -3,6 +3,7 @@
 Without the vortex a boundary at 25 chords costs 2 % of lift. Source: Thomas and Salas, AIAA J. 24(7), 1986,
 doi:10.2514/3.9394. The state is taken at the middles of the outer faces, in body axes.
 """
+
 from __future__ import annotations
 
 import numpy as np

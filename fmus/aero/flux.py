@@ -10,6 +10,7 @@ floor. Behind the wall: the mirror state of wall.py, through it only pressure ac
 Rows of the mesh are worked through in tiles of a fixed width copied to one scratch array: with offsets known to the compiler
 every loop becomes SIMD code, and the tile stays in the first-level cache.
 """
+
 from __future__ import annotations
 
 from typing import Any

@@ -9,9 +9,11 @@ from typing import Any
 from ..kit.interfaces import MOTION, aero_outputs, motion_inputs
 from ..kit.slave import Slave, StepError
 from ..kit.variables import input_, output, parameter
-from . import fields
+from . import vtk
+from .control import Settings
+from .field import Motion
 from .freestream import Freestream, between
-from .march import Flow, Motion, Settings
+from .march import Flow
 from .mesh import o_mesh
 
 
@@ -83,7 +85,7 @@ class Aero(Slave):
         if self.write_fields:
             if not self.field_folder:
                 raise StepError("write_fields is true but field_folder is empty. Remedy: set field_folder to a folder")
-            fields.write(Path(self.field_folder), self.steps, self.flow, self.chord, self.h)
+            vtk.write(Path(self.field_folder), self.steps, self.flow, self.chord, self.h)
 
     def save(self) -> dict[str, Any]:
         """Flow, motion at its time and the number of steps."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from .field import Motion
 from .flux import GAMMA
-from .march import Motion
 
 GAS_CONSTANT = 287.05  # [J/(kg K)], dry air
 

@@ -1,4 +1,5 @@
 """Aerodynamic coefficients from the wall pressure."""
+
 from __future__ import annotations
 
 from typing import NamedTuple

@@ -5,6 +5,7 @@ Index i runs anticlockwise from the trailing edge (upper side first), j outward 
 node. The uniform angle in the circle plane clusters cells at nose and trailing edge (Vassberg and Jameson,
 J. Aircraft 47(4), 2010, doi:10.2514/1.46737 use the same idea).
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass

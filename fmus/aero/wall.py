@@ -4,6 +4,7 @@ The mirror state keeps entropy and relative total enthalpy, the pressure follows
 curved wall (Dadone and Grossman, AIAA J. 32(2), 1994, doi:10.2514/3.11983). Here the wall accelerates and rotates: in its frame
 dp/dn = rho (curvature u_t^2 + 2 rate u_t − a_n), and the relative total enthalpy changes by −a_n along the normal.
 """
+
 from __future__ import annotations
 
 from typing import Any

@@ -105,9 +105,7 @@ def build(folder: Path, out: Path, *, check: bool = True, root: Path = ROOT) -> 
     digest = sources.content_hash(files)
     package = f"{component}_{digest}"
     script = f"{package}_slave"
-    entries: dict[str, bytes] = {
-        f"resources/{package}/{name}": path.read_bytes() for name, path in files.items()
-    }
+    entries: dict[str, bytes] = {f"resources/{package}/{name}": path.read_bytes() for name, path in files.items()}
     entries[f"resources/{script}.py"] = SCRIPT.format(
         package=package, component=component, face=face_name(folder), version=_version(root), hash=digest
     ).encode()
@@ -204,11 +202,7 @@ def _requirements(files: dict[str, Path], component: str, root: Path) -> str:
     ranges.
     """
     declared = _project(root).get("dependencies", [])
-    ranges = (
-        {re.split(r"[^\w-]", line)[0].lower(): line for line in declared}
-        if isinstance(declared, list)
-        else {}
-    )
+    ranges = {re.split(r"[^\w-]", line)[0].lower(): line for line in declared} if isinstance(declared, list) else {}
     own = set(sys.stdlib_module_names) | {"pythonfmu", component}  # pythonfmu is embedded
     names = sorted(sources.imported_packages(files) - own)
     return "".join(f"{ranges.get(name.lower(), name)}\n" for name in names)
@@ -227,12 +221,8 @@ def _documentation(folder: Path, root: Path) -> dict[str, bytes]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Build the FMUs named on the command line, all of them by default; return the exit code."""
-    parser = argparse.ArgumentParser(
-        prog="python -m fmus.kit.build", description="Build FMUs from fmus/<component>/."
-    )
-    parser.add_argument(
-        "component", nargs="*", help="names of folders in fmus/; default: all that have a fmu.py"
-    )
+    parser = argparse.ArgumentParser(prog="python -m fmus.kit.build", description="Build FMUs from fmus/<component>/.")
+    parser.add_argument("component", nargs="*", help="names of folders in fmus/; default: all that have a fmu.py")
     parser.add_argument("--out", type=Path, default=Path("dist/fmus"), help="folder for the .fmu files")
     options = parser.parse_args(arguments)
     known = components()

@@ -105,9 +105,7 @@ def frozen_liquid_parameters() -> tuple[Variable, ...]:
     )
 
 
-def motion_outputs(
-    depends: Iterable[str] = (), acceleration_initially: Iterable[str] = ()
-) -> tuple[Variable, ...]:
+def motion_outputs(depends: Iterable[str] = (), acceleration_initially: Iterable[str] = ()) -> tuple[Variable, ...]:
     """Return section motion as outputs (structure); initial accelerations depend on
     `acceleration_initially`.
     """
@@ -140,9 +138,7 @@ def slosh_outputs(depends: Iterable[str] = (*MOTION, *SURGE)) -> tuple[Variable,
 
 
 def _inputs(table: dict[str, tuple[str, str, str]]) -> tuple[Variable, ...]:
-    return tuple(
-        input_(n, 0.0, unit, text + _END, quantity=quantity) for n, (unit, quantity, text) in table.items()
-    )
+    return tuple(input_(n, 0.0, unit, text + _END, quantity=quantity) for n, (unit, quantity, text) in table.items())
 
 
 def _outputs(

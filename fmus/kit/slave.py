@@ -101,9 +101,7 @@ class Slave(Failing, Fmi2Slave):
         self._references: dict[str, dict[int, Variable]] = {name: {} for name in _REGISTER}
         for reference, variable in enumerate(self.declared):
             if variable.name in self.__dict__:
-                raise TypeError(
-                    f"{self.modelName}: variable name '{variable.name}' is taken by the base class"
-                )
+                raise TypeError(f"{self.modelName}: variable name '{variable.name}' is taken by the base class")
             self._references[variable.type][reference] = variable
             setattr(self, variable.name, UNSET[variable.type] if variable.start is None else variable.start)
             self.register_variable(
@@ -128,17 +126,13 @@ class Slave(Failing, Fmi2Slave):
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """Return the model description (see `xml`)."""
         text = " ".join(inspect.cleandoc(_face(type(self)).__doc__ or "").split("\n\n")[0].split())
-        model = xml.Model(
-            self.modelName, text, type(self).version, self.content_hash, self.stop_time, self.step_size
-        )
+        model = xml.Model(self.modelName, text, type(self).version, self.content_hash, self.stop_time, self.step_size)
         return xml.describe(model, self.declared, self.log_categories)
 
     # -- life cycle --
 
     @quiet
-    def setup_experiment(
-        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
-    ) -> None:
+    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
         """Note the start time [s]."""
         if not math.isfinite(start_time):
             raise StepError(f"start time {start_time} is not finite. Remedy: give a finite start time")

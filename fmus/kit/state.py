@@ -78,9 +78,7 @@ class State:
         """
         body, checksum = data[:-CHECKSUM], data[-CHECKSUM:]
         if not data.startswith(MAGIC):
-            raise StateError(
-                "these bytes are no aeroslosh state. Remedy: give the bytes of fmi2SerializeFMUstate"
-            )
+            raise StateError("these bytes are no aeroslosh state. Remedy: give the bytes of fmi2SerializeFMUstate")
         if hashlib.blake2b(body, digest_size=CHECKSUM).digest() != checksum:
             raise StateError("the state is damaged (wrong checksum). Remedy: restart from an earlier state")
         start = len(MAGIC) + 8
@@ -99,8 +97,7 @@ def check(component: str, content_hash: str, wanted_component: str, wanted_hash:
     """Raise StateError unless a state of (component, content_hash) fits the wanted ones."""
     if component != wanted_component:
         raise StateError(
-            f"the state belongs to FMU '{component}', not to '{wanted_component}'. Remedy: give each "
-            "FMU its own state"
+            f"the state belongs to FMU '{component}', not to '{wanted_component}'. Remedy: give each FMU its own state"
         )
     if content_hash != wanted_hash:
         raise StateError(
@@ -133,9 +130,7 @@ def _encode(value: Any, blobs: list[bytes], path: str) -> Any:
     if isinstance(value, list | tuple):
         nodes = [_encode(item, blobs, f"{path}[{i}]") for i, item in enumerate(value)]
         return ["l" if isinstance(value, list) else "t", nodes]
-    raise StateError(
-        f"{path}: a {type(value).__name__} cannot be saved. Remedy: give arrays and scalars in save()"
-    )
+    raise StateError(f"{path}: a {type(value).__name__} cannot be saved. Remedy: give arrays and scalars in save()")
 
 
 def _decode(node: Any, blobs: list[bytes]) -> Any:

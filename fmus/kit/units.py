@@ -55,6 +55,4 @@ def base(unit: str) -> Exponents:
     try:
         return BASE[unit]
     except KeyError:
-        raise ValueError(
-            f"Unknown unit '{unit}'. Remedy: add it to fmus/kit/units.py; known: {', '.join(BASE)}"
-        ) from None
+        raise ValueError(f"Unknown unit '{unit}'. Remedy: add it to fmus/kit/units.py; known: {', '.join(BASE)}") from None

@@ -76,15 +76,11 @@ class Variable:
         if self.type in ("String", "Boolean"):
             return ""
         if not isinstance(value, float | int) or (isinstance(value, float) and not math.isfinite(value)):
-            return (
-                f"{self.causality} '{self.name}' = {value} is not a finite number. Remedy: {self._remedy()}"
-            )
+            return f"{self.causality} '{self.name}' = {value} is not a finite number. Remedy: {self._remedy()}"
         if self.low <= value <= self.high:
             return ""
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
-        return (
-            f"{self.causality} '{self.name}' = {value}{unit} is outside its range. Remedy: {self._remedy()}"
-        )
+        return f"{self.causality} '{self.name}' = {value}{unit} is outside its range. Remedy: {self._remedy()}"
 
     def _remedy(self) -> str:
         if self.items:
@@ -148,9 +144,7 @@ def input_(
     quantity: str = "",
 ) -> Variable:
     """Declare an input: the value at the end of the communication step (see docs/design.md)."""
-    return Variable(
-        name, "input", TYPES[type(start)], description, start, _unit(start, unit), min, max, nominal, quantity
-    )
+    return Variable(name, "input", TYPES[type(start)], description, start, _unit(start, unit), min, max, nominal, quantity)
 
 
 def output(

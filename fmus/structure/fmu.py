@@ -30,9 +30,7 @@ class Structure(Slave):
 
     variables = (
         parameter("mass", 57.73, "kg/m", "Mass per metre of span, without liquid", min=1e-9),
-        parameter(
-            "static_imbalance", 51.957, "kg", "Mass times distance of its centre aft of the elastic axis"
-        ),
+        parameter("static_imbalance", 51.957, "kg", "Mass times distance of its centre aft of the elastic axis"),
         parameter("inertia", 50.2251, "kg.m", "Moment of inertia about the elastic axis", min=1e-9),
         parameter("omega_h", 100.0, "rad/s", "Uncoupled plunge frequency, without liquid", min=0.0),
         parameter("omega_alpha", 100.0, "rad/s", "Uncoupled pitch frequency, without liquid", min=0.0),
@@ -60,12 +58,8 @@ class Structure(Slave):
         """Build the section from the parameters."""
         data = {field.name: getattr(self, field.name) for field in fields(SectionData)}
         self.section = Section(SectionData(**data))
-        self.forced = ForcedPitch(
-            self.forced_amplitude, self.forced_frequency, self.forced_cycles, self.forced_ramp_cycles
-        )
-        self.initial = np.array(
-            [self.initial_h, self.initial_alpha, self.initial_h_dot, self.initial_alpha_dot]
-        )
+        self.forced = ForcedPitch(self.forced_amplitude, self.forced_frequency, self.forced_cycles, self.forced_ramp_cycles)
+        self.initial = np.array([self.initial_h, self.initial_alpha, self.initial_h_dot, self.initial_alpha_dot])
         if self.forced.cycles > 0.0 and self.initial.any():
             raise StepError(
                 "initial_h, initial_alpha and their rates have no effect while the pitch is forced. "

@@ -65,9 +65,7 @@ class Section:
                 2.0 * data.damping_ratio_alpha * data.inertia * data.omega_alpha,
             ]
         )
-        self.K: Array = np.diag(
-            [data.mass * data.omega_h**2, data.inertia * data.omega_alpha**2 + data.liquid_stiffness]
-        )
+        self.K: Array = np.diag([data.mass * data.omega_h**2, data.inertia * data.omega_alpha**2 + data.liquid_stiffness])
         if not (mass > 0.0 and mass * inertia > imbalance**2):
             raise SectionError(
                 f"the mass matrix is not positive definite: mass {mass:g} kg/m, inertia {inertia:g} kg m, "

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fmus.aero.bdf import bdf_weights, turn
 from fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
-from fmus.aero.implicit import Factors, Recipe, _face_blocks, assemble
-from fmus.aero.march import Flow, _turn, bdf_weights
+from fmus.aero.implicit import Factors, Recipe
+from fmus.aero.jacobian import _face_blocks, assemble
+from fmus.aero.march import Flow
 from fmus.aero.mesh import Mesh, o_mesh
 from fmus.aero.wall import wall_state
 
@@ -76,12 +78,12 @@ def test_moving_mesh_keeps_a_uniform_stream(ni: int) -> None:
     incidence, weights = 0.3, bdf_weights(np.array([0.0, -0.31, -0.57, -0.9]))
     past = np.zeros_like(level)
     for weight in weights[1:]:
-        _turn(level, past, np.cos(incidence), np.sin(incidence), float(weight), True)
-    _turn(level, flow.q, np.cos(incidence), np.sin(incidence), 1.0, False)
+        turn(level, past, np.cos(incidence), np.sin(incidence), float(weight), True)
+    turn(level, flow.q, np.cos(incidence), np.sin(incidence), 1.0, False)
     flow.farfield.set(incidence, 0.0)
     flow._motion[:] = 0.11, -0.23, 0.17
-    flow._evaluate()
-    unsteady = flow._out + flow.mesh.volume[:, None] * (weights[0] * flow.q + past)
+    flow.evaluate()
+    unsteady = flow.out + flow.mesh.volume[:, None] * (weights[0] * flow.q + past)
     assert np.abs(unsteady[2:]).max() < 1e-12
     assert np.abs(unsteady[0]).max() > 1e-4  # the body is felt
 
@@ -119,14 +121,14 @@ def test_residual_is_galilean_invariant(mesh: Mesh) -> None:
 def test_residual_conserves(mesh: Mesh) -> None:
     """Summed over the mesh only the two boundaries remain: mass leaves through the outer one alone."""
     flow = Flow(mesh, 0.7, 0.25)
-    flow._begin(0.05, None)
+    flow.start(0.05)
     rng = np.random.default_rng(2)
     flow.q[:] *= 1 + 0.02 * rng.standard_normal(flow.q.shape)
-    flow._evaluate()
-    inside = flow._out[:, 0].sum()
+    flow.evaluate()
+    inside = flow.out[:, 0].sum()
     flow.q[: mesh.shape[0] - 3] *= 1 + 0.05 * rng.standard_normal(flow.q[: mesh.shape[0] - 3].shape)
-    flow._evaluate()
-    assert flow._out[:, 0].sum() == pytest.approx(inside, abs=1e-12)
+    flow.evaluate()
+    assert flow.out[:, 0].sum() == pytest.approx(inside, abs=1e-12)
 
 
 def rotating_gas_error(cells: tuple[int, int], accelerated: bool) -> float:
@@ -182,7 +184,7 @@ def test_face_blocks_are_the_derivative_of_the_flux() -> None:
 def test_line_solver_inverts_the_product_of_its_factors(mesh: Mesh) -> None:
     nj, ni = mesh.shape
     flow = Flow(mesh, 0.7, 0.25)
-    flow._begin(0.05, None)
+    flow.start(0.05)
     recipe = Recipe(flow.q.copy(), flow.farfield.state.copy(), 0.7, 12.0)
     factors = Factors(recipe, mesh)
     r = np.random.default_rng(0).standard_normal(flow.q.shape)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.aero.march import Flow, MarchError, Motion, Settings
+from fmus.aero.control import MarchError, Settings
+from fmus.aero.field import Motion
+from fmus.aero.march import Flow
 from fmus.aero.mesh import Mesh, o_mesh
 
 

@@ -40,9 +40,7 @@ class Instance:
         )
         self.callbacks = fmi2CallbackFunctions()
         self.callbacks.logger = fmi2CallbackLoggerTYPE(
-            lambda _env, _name, status, category, message: LOG.append(
-                (status, category.decode(), message.decode())
-            )
+            lambda _env, _name, status, category, message: LOG.append((status, category.decode(), message.decode()))
         )
         self.callbacks.allocateMemory = fmpy.fmi2.defaultCallbacks.allocateMemory
         self.callbacks.freeMemory = fmpy.fmi2.defaultCallbacks.freeMemory

@@ -36,9 +36,7 @@ def test_description_has_no_problems(fmu: Fmu, component: str | Path) -> None:
     ],
     ids=["exception", "exit", "not a number", "long message"],
 )
-def test_failure_in_a_step_reaches_the_host_and_a_state_cures_it(
-    fmu: Fmu, host: Host, kind: int, words: str
-) -> None:
+def test_failure_in_a_step_reaches_the_host_and_a_state_cures_it(fmu: Fmu, host: Host, kind: int, words: str) -> None:
     seen = host("fault", str(fmu(FAULTY)), kind)
     assert seen["good"] == [0]
     assert seen["bad"] == [DISCARD, DISCARD, 0]
@@ -61,9 +59,7 @@ def test_failed_initialisation_is_seen_at_once(fmu: Fmu, host: Host) -> None:
     assert "ValueError: no start is possible. Remedy: another fault" in seen["error"]
 
 
-@pytest.mark.parametrize(
-    ("kind", "words"), [(5, "cannot save"), (6, "cannot restore"), (7, "a set cannot be saved")]
-)
+@pytest.mark.parametrize(("kind", "words"), [(5, "cannot save"), (6, "cannot restore"), (7, "a set cannot be saved")])
 def test_failure_in_a_state_function_is_seen(fmu: Fmu, host: Host, kind: int, words: str) -> None:
     seen = host("state_faults", str(fmu(FAULTY)), kind)
     assert seen["failed"] is True
@@ -128,9 +124,7 @@ def test_the_same_sources_build_the_same_bytes(fmu: Fmu, tmp_path: Path) -> None
 def test_a_face_that_cannot_be_imported_is_a_clear_error(tmp_path: Path) -> None:
     broken = tmp_path / "broken"
     broken.mkdir()
-    (broken / "fmu.py").write_text(
-        "from ..kit.slave import Slave\nclass Broken(Slave):\n    variables = (1 / 0,)\n"
-    )
+    (broken / "fmu.py").write_text("from ..kit.slave import Slave\nclass Broken(Slave):\n    variables = (1 / 0,)\n")
     with pytest.raises(BuildError, match=r"broken: the face cannot be described[\s\S]*ZeroDivisionError"):
         build(broken, tmp_path)
     assert not list(tmp_path.glob("*.fmu"))

@@ -26,9 +26,7 @@ def test_rollback_is_exact_to_the_bit(run_and_rollback: dict[str, Any]) -> None:
     assert run_and_rollback["first"][-1] != run_and_rollback["before"][-1]
 
 
-def test_restart_in_a_new_process_is_exact_to_the_bit(
-    fmu: Fmu, host: Host, run_and_rollback: dict[str, Any]
-) -> None:
+def test_restart_in_a_new_process_is_exact_to_the_bit(fmu: Fmu, host: Host, run_and_rollback: dict[str, Any]) -> None:
     assert host("resume", str(fmu("structure")), run_and_rollback["state"]) == run_and_rollback["first"]
 
 
@@ -47,9 +45,7 @@ def test_free_motion_in_the_fmu_is_that_of_the_modes(fmu: Fmu, host: Host) -> No
     K = np.diag([57.73, 50.2251]) * 100.0**2
     squares, modes = eigh(K, M)  # modes' M modes = 1
     w = np.sqrt(squares)
-    q, rate = (
-        modes.T @ M @ np.array([start[f"initial_h{s}"], start[f"initial_alpha{s}"]]) for s in ("", "_dot")
-    )
+    q, rate = (modes.T @ M @ np.array([start[f"initial_h{s}"], start[f"initial_alpha{s}"]]) for s in ("", "_dot"))
     t = step_size * np.arange(steps + 1)[:, None]
     exact = (q * np.cos(w * t) + rate / w * np.sin(w * t)) @ modes.T
     np.testing.assert_allclose(rows, exact, rtol=0.0, atol=1e-12)

@@ -89,11 +89,7 @@ def test_racing_processes_get_their_own_code(tmp_path: Path) -> None:
     ],
     ids=["folder cannot be written", "no compilation", "another numba"],
 )
-def test_without_its_cache_the_kernel_still_runs(
-    tmp_path: Path, environment: dict[str, str], before: str
-) -> None:
+def test_without_its_cache_the_kernel_still_runs(tmp_path: Path, environment: dict[str, str], before: str) -> None:
     tree = copy(tmp_path / "tree", "sources")
-    process = start(
-        tree, "sources", tmp_path / "cache", before=before.format(package="sources"), **environment
-    )
+    process = start(tree, "sources", tmp_path / "cache", before=before.format(package="sources"), **environment)
     assert result(process)[0] == 20.0

@@ -46,9 +46,7 @@ def test_files_are_the_component_what_it_shares_and_what_it_needs_of_kit(tree: P
     assert set(sources.component_files(tree / "b", tree)) == {
         *("__init__.py", "kit/__init__.py", "kit/slave.py", "kit/xml.py", "b/fmu.py")
     }
-    assert sources.imported_packages(sources.component_files(tree / "a", tree)) == {
-        *("math", "numba", "scipy", "numpy")
-    }
+    assert sources.imported_packages(sources.component_files(tree / "a", tree)) == {*("math", "numba", "scipy", "numpy")}
     assert set(components(tree)) == {"a", "b"}
 
 

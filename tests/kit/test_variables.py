@@ -30,8 +30,7 @@ def test_a_problem_names_variable_value_unit_and_remedy() -> None:
     depth = parameter("depth", 0.5, "m", "", min=0.1, max=1.0)
     assert depth.problem(0.1) == depth.problem(1.0) == ""
     assert depth.problem(2.0) == (
-        "parameter 'depth' = 2.0 m is outside its range. "
-        "Remedy: give a value of at least 0.1 and at most 1.0 m"
+        "parameter 'depth' = 2.0 m is outside its range. Remedy: give a value of at least 0.1 and at most 1.0 m"
     )
     assert "input 'u' = inf is not a finite number" in input_("u", 0.0, "N", "").problem(math.inf)
     assert "at least" not in input_("u", 0.0, "N", "").problem(math.nan)

@@ -129,9 +129,7 @@ def test_refusals_name_the_cause_and_the_remedy(values: dict[str, Any], words: s
 
 
 def test_readme_reference_result() -> None:
-    table = re.findall(
-        r"^\| (\d\.\d+) \| (\S+) \| (\S+) \| (\S+) \|$", README.read_text(encoding="utf-8"), re.MULTILINE
-    )
+    table = re.findall(r"^\| (\d\.\d+) \| (\S+) \| (\S+) \| (\S+) \|$", README.read_text(encoding="utf-8"), re.MULTILINE)
     assert len(table) == 5
     wing, step = started(forced_cycles=3.0), 2.0 * np.pi / 100.0 / 72
     rows = {0: (0.0, 0.0, 0.0)}
@@ -139,6 +137,4 @@ def test_readme_reference_result() -> None:
         assert wing.do_step(i * step, step)
         rows[i + 1] = (wing.h, wing.alpha, wing.energy)
     for cycles, *values in table:
-        np.testing.assert_allclose(
-            rows[round(float(cycles) * 72)], [float(value) for value in values], rtol=1e-8, atol=1e-13
-        )
+        np.testing.assert_allclose(rows[round(float(cycles) * 72)], [float(value) for value in values], rtol=1e-8, atol=1e-13)

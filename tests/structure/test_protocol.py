@@ -43,9 +43,7 @@ def test_forced_rates_are_derivatives_of_the_angle(cycles: float, ramp: float) -
 
 def test_the_ramp_starts_and_ends_smoothly() -> None:
     assert FORCED.motion(0.0) == (0.0, 0.0, 0.0)
-    np.testing.assert_allclose(
-        FORCED.motion(PERIOD * (1 - 1e-7)), FORCED.motion(PERIOD * (1 + 1e-7)), atol=1e-3
-    )
+    np.testing.assert_allclose(FORCED.motion(PERIOD * (1 - 1e-7)), FORCED.motion(PERIOD * (1 + 1e-7)), atol=1e-3)
     alpha, rate, acceleration = FORCED.motion(1.25 * PERIOD)
     np.testing.assert_allclose([alpha, rate, acceleration], [0.02, 0.0, -200.0], atol=1e-12)
 
@@ -57,9 +55,7 @@ def test_plunge_is_held_and_pitch_is_prescribed_until_release() -> None:
     np.testing.assert_allclose(run.acceleration, [0.0, 0.0], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "divisions", [72, 71.3, 10, 3.7, 0.4], ids=["on a step", "off", "off", "off", "one step"]
-)
+@pytest.mark.parametrize("divisions", [72, 71.3, 10, 3.7, 0.4], ids=["on a step", "off", "off", "off", "one step"])
 def test_release_is_exact_on_and_off_the_steps(divisions: float) -> None:
     """After release the motion is the exact free motion from the forced end, whatever the steps."""
     end = 2.6 * PERIOD
@@ -73,9 +69,7 @@ def test_release_is_exact_on_and_off_the_steps(divisions: float) -> None:
 def test_released_is_told_at_the_release_and_the_acceleration_is_free_there() -> None:
     run = march(PERIOD / 72, 2.0 * PERIOD)
     assert run.released
-    np.testing.assert_allclose(
-        run.acceleration, run.section.acceleration(run.y, load(2.0 * PERIOD)), rtol=1e-9
-    )
+    np.testing.assert_allclose(run.acceleration, run.section.acceleration(run.y, load(2.0 * PERIOD)), rtol=1e-9)
     assert not march(PERIOD / 72, 143 / 72 * PERIOD).released
 
 

@@ -28,9 +28,7 @@ def reference(section: Section, y: Array, load_start: Array, load_end: Array, du
 
     def rate(t: float, y: Array) -> Array:
         load = load_start + (load_end - load_start) * t / duration
-        return np.concatenate(
-            [y[2:], np.linalg.solve(section.M, load - section.C @ y[2:] - section.K @ y[:2])]
-        )
+        return np.concatenate([y[2:], np.linalg.solve(section.M, load - section.C @ y[2:] - section.K @ y[:2])])
 
     return solve_ivp(rate, (0.0, duration), y, method="DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
 
@@ -75,9 +73,7 @@ def test_free_motion_agrees_with_the_complex_modes() -> None:
     values, vectors = eig(A)
     t = 0.25
     exact = (vectors @ (np.exp(values * t) * np.linalg.solve(vectors, START))).real
-    np.testing.assert_allclose(
-        section.propagate(START, np.zeros(2), np.zeros(2), t), exact, rtol=1e-10, atol=1e-12
-    )
+    np.testing.assert_allclose(section.propagate(START, np.zeros(2), np.zeros(2), t), exact, rtol=1e-10, atol=1e-12)
 
 
 def test_static_load_gives_static_deflection() -> None:
@@ -150,9 +146,7 @@ def test_damping_takes_energy_away_at_the_known_rate() -> None:
 
 def test_frozen_liquid_is_mass_of_the_section() -> None:
     """A liquid carried frozen moves like the same mass built in, its weight like a pitch spring."""
-    wet = Section(
-        SectionData(liquid_mass=30.0, liquid_static_moment=27.0, liquid_inertia=25.0, liquid_stiffness=300.0)
-    )
+    wet = Section(SectionData(liquid_mass=30.0, liquid_static_moment=27.0, liquid_inertia=25.0, liquid_stiffness=300.0))
     dry = Section(
         SectionData(
             mass=87.73,

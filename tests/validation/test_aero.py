@@ -7,14 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.aero.march import Flow, Motion, Settings
+from fmus.aero.control import Settings
+from fmus.aero.field import Motion
+from fmus.aero.march import Flow
 from fmus.aero.mesh import o_mesh
 
 pytestmark = pytest.mark.validation
 DATA = Path(__file__).resolve().parents[1] / "data"
 
 
-def steady(airfoil: str, cells: tuple[int, int], mach: float, alpha_deg: float, farfield: float = 25.0, axis: float = 0.25) -> Flow:
+def steady(
+    airfoil: str, cells: tuple[int, int], mach: float, alpha_deg: float, farfield: float = 25.0, axis: float = 0.25
+) -> Flow:
     flow = Flow(o_mesh(airfoil, *cells, farfield), mach, axis, Settings(steady_tolerance=3e-8, steady_iterations=20000))
     flow.solve_steady(np.radians(alpha_deg))
     return flow
@@ -39,7 +43,8 @@ def test_lift_at_low_speed_is_exact(airfoil: str, alpha: float, mach: float) -> 
     """Conformal map with the Prandtl–Glauert factor; 0.3 percent."""
     flow = steady(airfoil, (168, 48), mach, alpha)
     exact = flow.mesh.circle.lift_coefficient(np.radians(alpha)) / np.sqrt(1 - mach**2)
-    print(f"\n{airfoil} Mach {mach}: C_L {flow.coefficients.lift:.5f}, exact {exact:.5f} ({flow.coefficients.lift / exact - 1:+.3%})")
+    lift = flow.coefficients.lift
+    print(f"\n{airfoil} Mach {mach}: C_L {lift:.5f}, exact {exact:.5f} ({lift / exact - 1:+.3%})")
     assert flow.coefficients.lift == pytest.approx(exact, rel=0.003)
 
 
@@ -50,7 +55,10 @@ def test_subcritical_flow_has_no_drag() -> None:
 
 
 def test_lift_does_not_depend_on_the_farfield() -> None:
-    lifts = [steady("64A010", (168, cells), 0.7, 3.0, farfield).coefficients.lift for farfield, cells in ((12, 44), (25, 48), (100, 58))]
+    lifts = [
+        steady("64A010", (168, cells), 0.7, 3.0, farfield).coefficients.lift
+        for farfield, cells in ((12, 44), (25, 48), (100, 58))
+    ]
     print("\nC_L with the boundary at 12, 25, 100 chords:", lifts)
     assert np.ptp(lifts) / lifts[-1] < 0.001
 

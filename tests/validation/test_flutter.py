@@ -73,11 +73,12 @@ def test_history_from_su2s_start_follows_its_first_mode(aeroslosh: Run, mach: fl
 def test_thin_sections_flutter_as_linear_theory_says(aeroslosh: Run, mach: float, linear: float) -> None:
     """Thickness raises the lift slope and so lowers V_f, by 4 to 6 percent at 10 percent thickness; extrapolated to none, the
     marched values meet the thin-airfoil value within 1 percent."""
-    common: dict[str, Any] = {"flutter__free_cycles": 3, "flutter__V_f": linear}
-    thickness = np.array([0.04, 0.06, 0.10])
+    common: dict[str, Any] = {"flutter__free_cycles": 3, "flutter__V_f": linear, "boundary__tolerance": 5e-4}
+    thickness = np.array([0.04, 0.06, 0.08, 0.10])
     values = np.array([neutral(aeroslosh, mach, flow__airfoil=f'"64A0{round(100 * t):02d}"', **common)[0] for t in thickness])
     thin = np.polyval(np.polyfit(thickness, values, 2), 0.0)
-    print(f"\nMach {mach}: V_f at 4, 6, 10 percent {values}, at none {thin:.4f}, linear theory {linear} ({thin / linear - 1:+.2%})")
+    print(f"\nMach {mach}: V_f at 4, 6, 8, 10 percent {values}, at none {thin:.4f}")
+    print(f"linear theory {linear}: {thin / linear - 1:+.2%}")
     print(f"64A010 against linear theory: {values[-1] / linear - 1:+.2%}")
     assert thin == pytest.approx(linear, rel=0.01)
     assert np.all(np.diff(values) < 0)
@@ -100,6 +101,8 @@ def test_half_the_step_and_twice_the_subiterations_change_nothing(aeroslosh: Run
     where = ["--mach", str(mach), "--vf", str(V_f)]
     coarse = aeroslosh("point", *where)
     steps = coarse["steps_per_cycle"]
-    fine = aeroslosh("point", *where, *settings(flutter__steps_per_cycle=2 * steps, aero__tolerance=2e-4, aero__max_subiterations=60))
+    fine = aeroslosh(
+        "point", *where, *settings(flutter__steps_per_cycle=2 * steps, aero__tolerance=2e-4, aero__max_subiterations=60)
+    )
     print(f"\nMach {mach}, V_f {V_f}: damping ratio {zeta(coarse):.5f} at {steps} steps a cycle, {zeta(fine):.5f} at {2 * steps}")
     assert abs(zeta(coarse) - zeta(fine)) < 3e-4

@@ -1,0 +1,15 @@
+"""Runs every benchmark and prints its table."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from . import flutter_point, kernels
+
+if __name__ == "__main__":
+    for benchmark in (kernels, flutter_point):
+        print(f"\n{benchmark.__doc__.splitlines()[0] if benchmark.__doc__ else benchmark.__name__}")
+        benchmark.run()
+    sys.stdout.flush()
+    os._exit(0)  # pythonfmu 0.7 releases its interpreter state twice at exit

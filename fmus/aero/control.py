@@ -1,0 +1,36 @@
+"""How hard a flow is solved, what that took, and the error when it cannot be done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class MarchError(RuntimeError):
+    """The flow could not be advanced; the message says where, what was tried and the remedy."""
+
+
+class StepReport(NamedTuple):
+    """What a time step took: subiterations, last rms density change over that of the step, whether below tolerance, retries."""
+
+    subiterations: int
+    residual: float
+    converged: bool
+    retries: int
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How hard each flow is solved.
+
+    tolerance: rms density change of the last subiteration over that of the whole step; cfl: pseudo-time step of a
+    subiteration; steady_tolerance: rms density change an iteration; steady_cfl, steady_step: local and global pseudo-time step.
+    """
+
+    tolerance: float = 5e-3
+    max_subiterations: int = 25
+    cfl: float = 25.0
+    steady_tolerance: float = 3e-7
+    steady_iterations: int = 3000
+    steady_cfl: float = 20.0
+    steady_step: float = 0.4
