@@ -55,7 +55,7 @@ class Section:
 class Flow:
     """The stream. Air is fixed (gamma 1.4, R 287.05): V_f changes the structure's stiffness, not the stream."""
 
-    mach: float = key(0.825, "freestream Mach number", low=0.05, high=1.3)
+    mach: float = key(0.825, "freestream Mach number", low=0.05, high=0.98)
     static_pressure: float = key(101325.0, "freestream static pressure", "Pa", above=0.0)
     static_temperature: float = key(288.15, "freestream static temperature", "K", above=0.0)
     airfoil: str = key("NACA 64A010", "a NACA 4-digit or 6A name, or a coordinate file")
@@ -109,7 +109,7 @@ class Coupling:
 class Boundary:
     """The search for neutral V_f at each Mach number."""
 
-    mach: list[float] = field(default_factory=lambda: [0.80, 0.825, 0.85], metadata=rule("Mach numbers", low=0.05, high=1.3))
+    mach: list[float] = field(default_factory=lambda: [0.80, 0.825, 0.85], metadata=rule("Mach numbers", low=0.05, high=0.98))
     V_f_range: list[float] = field(
         default_factory=lambda: [0.2, 3.0],
         metadata=rule("V_f is searched in this range", low=0.01, high=50.0),
@@ -177,6 +177,9 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Case:
             raise AeroSloshError(f"'{table}' is a table", where, f"write [{table}] with keys below it")
         for name, value in content.items():
             _assign(case, table, name, value, f"{path}, line {lines.get((table, name), '?')}, key {table}.{name}")
+    beside = path.parent / case.flow.airfoil
+    if beside.is_file():  # a coordinate file is named relative to the case, wherever the command runs
+        case.flow.airfoil = str(beside.resolve())
     for override in overrides:
         _override(case, override)  # checked together at the end: two overrides may belong together
     _check_together(case, str(path))
