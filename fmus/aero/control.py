@@ -27,7 +27,7 @@ class Settings:
     subiteration; steady_tolerance: rms density change an iteration; steady_cfl, steady_step: local and global pseudo-time step.
     """
 
-    tolerance: float = 5e-3
+    tolerance: float = 1e-2
     max_subiterations: int = 25
     cfl: float = 25.0
     steady_tolerance: float = 3e-7

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.aero.bdf import bdf_weights, turn
+from fmus.aero.bdf import bdf_weights, combine, turn
 from fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
 from fmus.aero.implicit import Factors, Recipe
 from fmus.aero.jacobian import _face_blocks, assemble
@@ -77,9 +77,8 @@ def test_moving_mesh_keeps_a_uniform_stream(ni: int) -> None:
     level = np.broadcast_to(stream[None, :, None], flow.q.shape).copy()
     incidence, weights = 0.3, bdf_weights(np.array([0.0, -0.31, -0.57, -0.9]))
     past = np.zeros_like(level)
-    for weight in weights[1:]:
-        turn(level, past, np.cos(incidence), np.sin(incidence), float(weight), True)
-    turn(level, flow.q, np.cos(incidence), np.sin(incidence), 1.0, False)
+    combine(level, level, level, weights[1:], np.cos(incidence), np.sin(incidence), past)
+    turn(level, flow.q, np.cos(incidence), np.sin(incidence))
     flow.farfield.set(incidence, 0.0)
     flow._motion[:] = 0.11, -0.23, 0.17
     flow.evaluate()
