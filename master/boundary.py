@@ -10,10 +10,26 @@ from dataclasses import dataclass, field
 
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
+from master.linear import LinearCrossing, LinearModel
 from master.search import FIRST_SLOPE, Crossing, Sample, crossings, propose
 from master.wording import plus_minus
 
 Marcher = Callable[[float], March]  # V_f → march
+Strategy = Callable[[Marcher, float, float, float], "BoundaryPoint"]  # marcher, Mach, guess of V_f, of dσ/dln V_f
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A crossing of the linear model and what marches said of it.
+
+    state    "confirmed", "contradicted" or "not marched"
+    marched  the crossing confirmed; `text` says it in words
+    """
+
+    crossing: LinearCrossing
+    state: str = "not marched"
+    marched: Crossing | None = None
+    text: str = ""
 
 
 @dataclass
@@ -28,6 +44,8 @@ class BoundaryPoint:
     marches: list[March] = field(default_factory=list, repr=False)
     wall: float = 0.0
     failure: ComponentError | None = None
+    linear: LinearModel | None = None
+    predictions: list[Prediction] = field(default_factory=list)
 
 
 def sample(march: March) -> Sample:
@@ -48,21 +66,23 @@ def search(
     max_marches: int,
     slope: float = FIRST_SLOPE,
     done: list[March] | None = None,
+    take: Callable[[March], Sample] = sample,
 ) -> BoundaryPoint:
     """Find a neutral V_f at `mach` in [low, high], starting from `guess` with the expected dσ/dln V_f `slope`.
 
-    `done`: marches made before at this Mach number. Every march is kept, and every crossing among them reported."""
+    `done`: marches made before at this Mach number; `take` reads a growth rate out of a march. Every march is kept, and
+    every crossing among them reported."""
     begin = clock.perf_counter()
     marches = list(done or [])
     failure: ComponentError | None = None
     guess = min(max(guess, low), high)
     while len(marches) < max_marches:
-        target = propose([sample(m) for m in marches], guess, low, high, tolerance, slope)
+        target = propose([take(m) for m in marches], guess, low, high, tolerance, slope)
         if target is None:
             break
         marches.append(marcher(target))
         failure = marches[-1].failure or failure
-    samples = [sample(m) for m in marches]
+    samples = [take(m) for m in marches]
     found = crossings(samples, tolerance)
     wanted = propose(samples, guess, low, high, tolerance, slope)
     converged = bool(found) and wanted is None
@@ -70,7 +90,7 @@ def search(
         mach,
         found,
         samples,
-        _outcome(found, samples, converged, low, high, len(marches), failure),
+        outcome_text(found, samples, converged, low, high, len(marches), failure),
         converged,
         marches,
         clock.perf_counter() - begin,
@@ -86,10 +106,12 @@ def boundary(
     tolerance: float,
     max_marches: int,
     on_point: Callable[[BoundaryPoint], None] = lambda point: None,
+    strategy: Strategy | None = None,
 ) -> list[BoundaryPoint]:
     """Search every Mach number; each starts from its nearest solved neighbour's result, the first from `guess`.
 
-    `marcher_at(mach)` gives the marcher and a function that closes it. A Mach number whose component
+    `marcher_at(mach)` gives the marcher and a function that closes it; `strategy` is what to do at a Mach number instead of
+    `search` (module `confirm` has one with a linear model). A Mach number whose component
     fails before any march is a point with that outcome; the others go on.
     """
     points: list[BoundaryPoint] = []
@@ -102,7 +124,10 @@ def boundary(
             on_point(points[-1])
             continue
         try:
-            point = search(marcher, mach, start, V_f_range[0], V_f_range[1], tolerance, max_marches, slope)
+            if strategy is not None:
+                point = strategy(marcher, mach, start, slope)
+            else:
+                point = search(marcher, mach, start, V_f_range[0], V_f_range[1], tolerance, max_marches, slope)
         finally:
             close()
         points.append(point)
@@ -126,7 +151,7 @@ def _prior(points: list[BoundaryPoint], mach: float, guess: float) -> tuple[floa
     return value, max(nearest.slope * nearest.V_f, 0.2 * FIRST_SLOPE)
 
 
-def _outcome(
+def outcome_text(
     found: list[Crossing],
     samples: list[Sample],
     converged: bool,

@@ -115,7 +115,17 @@ class Boundary:
         metadata=rule("V_f is searched in this range", low=0.01, high=50.0),
     )
     tolerance: float = key(0.005, "relative tolerance of V_f", low=1e-5, high=0.2)
-    max_marches: int = key(12, "most marches a Mach number", low=2, high=200)
+    max_marches: int = key(12, "most marches a Mach number; with a linear model half of them a crossing at most", low=2, high=200)
+    method: str = key(
+        "both",
+        "linear: eigenvalues of a linear model; march: marches alone; both: marches confirm what the model foretells",
+        choices=["linear", "march", "both"],
+    )
+    linear_amplitude_deg: float | str = key(
+        "auto", "amplitude of the linear model's motions; auto: flutter.forced_amplitude_deg", "deg",
+        above=0.0, high=20.0, choices=["auto"],
+    )  # fmt: skip
+    uncertainty: bool = key(False, "two more marches a crossing: half the step, half the amplitude, into its error bar")
 
 
 @dataclass

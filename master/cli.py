@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import flutter, outcome
+from master import confirm, flutter, outcome
 from master.boundary import BoundaryPoint, Marcher, boundary
 from master.case import Case
 from master.errors import AeroSloshError, ComponentError, ExitCode
@@ -123,12 +123,18 @@ def boundary_command(
         cases.apply_override(case, f"boundary.mach=[{', '.join(repr(m) for m in options.mach)}]")
     if options.vf is not None:
         cases.apply_override(case, f"flutter.V_f={options.vf!r}")
+    if options.method is not None:
+        cases.apply_override(case, f"boundary.method={options.method}")
+    if options.uncertainty:
+        cases.apply_override(case, "boundary.uncertainty=true")
     folder.write_case(case)
     hashes: dict[str, str] = {}
+    rigs: dict[float, FlutterRig] = {}
     begin = clock.perf_counter(), clock.process_time()
 
     def marcher_at(mach: float) -> tuple[Marcher, Any]:
         rig = FlutterRig(case, fmus, mach, None, lambda text: _say(text, folder, progress))
+        rigs[mach] = rig
         hashes.update({c.name: c.sha256 for c in rig.system.components})
 
         def marcher(V_f: float) -> flutter.March:
@@ -149,6 +155,9 @@ def boundary_command(
             write_history(folder.path / name, march, provenance(hashes))
 
     b = case.boundary
+    strategy = None
+    if b.method != "march":
+        strategy = confirm.Confirm(case, rigs.__getitem__, lambda text: _say(text, folder, progress), marching=b.method == "both")
     points = boundary(
         marcher_at,
         b.mach,
@@ -157,6 +166,7 @@ def boundary_command(
         b.tolerance,
         b.max_marches,
         on_point,
+        strategy,
     )
     folder.keep()
     rows = [outcome.point_data(p) for p in points]
@@ -168,9 +178,9 @@ def boundary_command(
         },
     }
     if case.output.pictures:
-        from master import plots
+        from master import boundary_plot
 
-        plots.boundary(points, folder.path / "boundary.png", PUBLISHED if case.name.startswith("isogai_a") else None)
+        boundary_plot.draw(points, folder.path / "boundary.png", PUBLISHED if case.name.startswith("isogai_a") else None)
     folder.write_result(data | {"provenance": provenance(hashes)})
     summary = outcome.boundary_summary(rows)
     folder.log("\n" + summary)
@@ -206,6 +216,8 @@ def parser() -> argparse.ArgumentParser:
             sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
         else:
             sub.add_argument("--mach", type=float, metavar="M", nargs="+", help="instead of boundary.mach")
+            sub.add_argument("--method", metavar="WORD", help="linear, march or both, instead of boundary.method")
+            sub.add_argument("--uncertainty", action="store_true", help="step and amplitude into the error bars (2 more marches)")
         sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f (boundary: where to start)")
         sub.add_argument("--slosh", metavar="MODEL", help="instead of slosh.model")
         sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case")

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from master.boundary import BoundaryPoint
 from master.flutter import March
+from master.verdict import Verdict
 from master.wording import plus_minus
 
 
@@ -29,6 +32,7 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "frequency_uncertainty": number(fit.frequency_uncertainty) if fit else None,
         "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit else None,
         "modes": [{"growth_rate": m.growth_rate, "frequency": m.frequency, "share": m.share} for m in (fit.modes if fit else [])],
+        "limit_cycle_amplitude_deg": limit_cycle_amplitude_deg(march),
         "fit_residual": number(fit.residual) if fit else None,
         "uncertainty_parts": fit.contributions if fit else {},
         "omega_alpha": s.omega_alpha,
@@ -48,6 +52,43 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     if steady_cpu is not None:
         data["cost"]["steady_cpu_seconds"] = steady_cpu
     return data
+
+
+def limit_cycle_amplitude_deg(march: March) -> float | None:
+    """Half the pitch from peak to peak in the last period of a march that ends in a limit cycle, else None. [deg]"""
+    if march.verdict is not Verdict.LIMIT_CYCLE or march.fit is None:
+        return None
+    last = march.history["alpha"][march.tau > march.tau[-1] - 2.0 * math.pi / march.fit.frequency]
+    return number(math.degrees(0.5 * float(np.ptp(last))))
+
+
+def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
+    """The linear model of a Mach number with its crossings and what became of them; None without one."""
+    model = point.linear
+    if model is None:
+        return None
+    return {
+        "amplitude_deg": model.amplitude_deg,
+        "fit_error": [number(float(e)) for e in model.fit_error],
+        "check_error": [number(float(e)) for e in model.check_error],
+        "note": model.note or None,
+        "steps": model.steps,
+        "cost": {"wall_seconds": model.wall, "cpu_seconds": model.cpu},
+        "crossings": [
+            {
+                "V_f": p.crossing.V_f,
+                "V_f_uncertainty": number(p.crossing.uncertainty),
+                "frequency": p.crossing.frequency,
+                "direction": p.crossing.direction,
+                "slope": p.crossing.slope,
+                "reduced_frequency": p.crossing.reduced_frequency,
+                "state": p.state,
+                "marched_V_f": p.marched.V_f if p.marched else None,
+                "text": p.text,
+            }
+            for p in point.predictions
+        ],
+    }
 
 
 def point_data(point: BoundaryPoint) -> dict[str, Any]:
@@ -70,13 +111,16 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
                 "direction": c.direction,
                 "slope": c.slope,
                 "bracketed": c.bracketed,
+                "source": c.source,
+                "uncertainty_parts": c.parts,
             }
             for c in point.crossings
         ],
+        "linear": linear_data(point),
         "marches": [march_data(m) for m in point.marches],
         "cost": {
             "wall_seconds": point.wall,
-            "cpu_seconds": sum(m.cost.total_cpu for m in point.marches),
+            "cpu_seconds": sum(m.cost.total_cpu for m in point.marches) + (point.linear.cpu if point.linear else 0.0),
             "marches": len(point.marches),
         },
     }
@@ -121,4 +165,9 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
         )
         if len(p["crossings"]) > 1:
             lines.append(f"          all: {p['outcome']}")
+        for c in (p["linear"] or {}).get("crossings", []):
+            if c["state"] == "contradicted":
+                lines.append(f"          {c['text']}")
+        if (p["linear"] or {}).get("note"):
+            lines.append(f"          note: {p['linear']['note']}")
     return "\n".join(lines)

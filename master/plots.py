@@ -1,8 +1,7 @@
-"""Pictures of a run: histories with the fitted envelope, phase plot, Mach field at four instants, the boundary."""
+"""Pictures of a run: histories with the fitted envelope, phase plot, Mach field at four instants."""
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +10,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
 from master import vtk
-from master.boundary import BoundaryPoint
 from master.flutter import March
 from master.wording import plus_minus
 
@@ -179,72 +176,6 @@ def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> N
         figure.suptitle(headline(march), fontsize=10.5)
         figure.savefig(path)
         plt.close(figure)
-
-
-def boundary(points: list[BoundaryPoint], path: Path, reference: Path | None = None) -> None:
-    """Neutral V_f over Mach with error bars, every march as a dot (growing or damped), and published points."""
-    with plt.rc_context(STYLE):
-        figure, axis = plt.subplots(figsize=(7.0, 4.8))
-        for grows, color, label in ((False, GREEN, "march: damped"), (True, RED, "march: growing")):
-            dots = [(p.mach, s.V_f) for p in points for s in p.samples if s.known and (s.growth_rate > 0) is grows]
-            if dots:
-                axis.plot(*zip(*dots, strict=True), ".", color=color, ms=6, alpha=0.75, label=label, zorder=2)
-        axis.plot(*_first_crossings(points), "-", color=BLUE, lw=1.0, alpha=0.6, zorder=1)
-        found = [(p.mach, c.V_f, c.uncertainty) for p in points for c in p.crossings]
-        if found:
-            mach, value, error = (np.array(column) for column in zip(*found, strict=True))
-            axis.errorbar(
-                mach,
-                value,
-                yerr=2.0 * error,
-                fmt="o",
-                color=BLUE,
-                ms=6,
-                mfc="white",
-                mew=1.5,
-                capsize=4,
-                label="neutral $V_f$ (± 2 standard uncertainties)",
-                zorder=3,
-            )
-        if reference is not None:
-            machs = [p.mach for p in points]
-            _published(axis, reference, min(machs) - 0.05, max(machs) + 0.05)
-        axis.set_xlabel("Mach number")
-        axis.set_ylabel("flutter speed index $V_f = U/(b\\,\\omega_\\alpha\\sqrt{\\mu})$")
-        axis.set_title("Flutter boundary: growing above, damped below an onset")
-        axis.margins(x=0.12, y=0.15)
-        axis.legend(loc="best")
-        figure.savefig(path)
-        plt.close(figure)
-
-
-def _first_crossings(points: list[BoundaryPoint]) -> tuple[list[float], list[float]]:
-    """Mach and lowest neutral V_f, by Mach."""
-    solved = sorted((p.mach, p.crossings[0].V_f) for p in points if p.crossings)
-    return [m for m, _ in solved], [v for _, v in solved]
-
-
-def _published(axis: Axes, file: Path, low: float, high: float) -> None:
-    """Points of a CSV file with low <= mach <= high: mach, V_f, state; '#' lines are comments."""
-    marks = {"neutral": "s", "damped": "v", "diverging": "^"}
-    with file.open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
-    drawn: set[str] = set()
-    for row in rows:
-        if not low <= float(row["mach"]) <= high:
-            continue
-        state = row["state"]
-        axis.plot(
-            float(row["mach"]),
-            float(row["V_f"]),
-            marks.get(state, "x"),
-            color="black",
-            mfc="none",
-            ms=8,
-            label=None if state in drawn else f"Srivastava et al.: {state}",
-            zorder=4,
-        )
-        drawn.add(state)
 
 
 def _window(field: vtk.Field) -> np.ndarray:

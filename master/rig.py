@@ -73,12 +73,17 @@ class FlutterRig:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @property
+    def steady(self) -> Saved:
+        """The aero FMU's state after its steady solution. Raises AeroSloshError when the rig is closed."""
+        if self._steady is None:
+            raise AeroSloshError("The rig is closed", "FlutterRig.steady", "open a new one")
+        return self._steady
+
     def start(self, V_f: float) -> Scales:
         """Ready the FMUs for a march at `V_f`: aero at its steady flow, a new structure at rest in trim."""
         case, s = self.case, scales(self.case, self.mach, V_f)
-        if self._steady is None:
-            raise AeroSloshError("The rig is closed", "FlutterRig.start", "open a new one")
-        self.aero.rewind(self._steady)
+        self.aero.rewind(self.steady)
         if self.structure.state != "instantiated":
             self.structure.restart()
         lift, moment = self.aero.get("lift"), self.aero.get("moment")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -44,6 +44,8 @@ class Crossing:
     slope: float  # dσ/dV_f
     bracketed: bool  # marches on both sides; otherwise extrapolated from the nearest ones
     interpolation_error: float  # the part of the uncertainty due to curvature
+    parts: dict[str, float] = field(default_factory=dict)  # further parts, signed changes of V_f: step, amplitude
+    source: str = "march"  # or "linear"
 
 
 def crossings(samples: Sequence[Sample], tolerance: float) -> list[Crossing]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .compiled import jit
 from .farfield import Farfield
 from .flux import GAMMA, residual
-from .implicit import Factors, Recipe
+from .implicit import Blocks, Factors, Recipe
 from .loads import Coefficients, WallLoads
 from .mesh import Mesh
 from .wall import wall_state
@@ -78,6 +78,7 @@ class Field:
         self.mesh, self.mach, self.axis = mesh, mach, axis
         self.q = np.zeros((nj, 4, ni))
         self.out = np.zeros_like(self.q)
+        self.blocks = Blocks(mesh)
         self.pressure = np.full(ni, 1.0 / GAMMA)
         self.incidence = 0.0
         self.loads = WallLoads(mesh, mach, axis)
@@ -137,7 +138,7 @@ class Field:
 
     def linearised(self, weight: float, cfl: float) -> Factors:
         """Factors of the present flow with time weight [1/time] and pseudo-time step `cfl`."""
-        return Factors(Recipe(self.q.copy(), self.farfield.state.copy(), weight, cfl), self.mesh)
+        return Factors(Recipe(self.q.copy(), self.farfield.state.copy(), weight, cfl), self.mesh, self.blocks)
 
     def relax(self, factors: Factors) -> float:
         """One correction of `q` against `out`; returns the rms density change, NaN when it blew up."""

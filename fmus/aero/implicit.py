@@ -4,7 +4,7 @@
 (Roe) linearisation: D its block diagonal, Li and Lj its neighbours along i (closed lines around the section) and j.
 Source: Bardina and Lombard, AIAA 87-1114; MacCormack and Pulliam, AIAA 98-2821 (DDADI).
 
-Blocks are factorised once (float64) and applied often (float32): 16 lines at a time side by side, so that every operation is
+Blocks are factorised now and then and applied often, in float32: 16 lines at a time side by side, so that every operation is
 one SIMD instruction. Factor layout: [line group][cell][matrix entry][16 lines].
 """
 
@@ -28,130 +28,187 @@ Float32 = NDArray[np.float32]
 Array = NDArray[np.float64]
 
 
-@jit
-def _invert(a: Any, b: Any) -> None:
-    """b = a^-1 for a (4, 4), Gauss–Jordan with partial pivoting; a is destroyed."""
-    for i in range(4):
-        for j in range(4):
-            b[i, j] = 1.0 if i == j else 0.0
-    for i in range(4):
-        pivot = i
-        for k in range(i + 1, 4):
-            if abs(a[k, i]) > abs(a[pivot, i]):
-                pivot = k
-        if pivot != i:
-            for j in range(4):
-                a[i, j], a[pivot, j] = a[pivot, j], a[i, j]
-                b[i, j], b[pivot, j] = b[pivot, j], b[i, j]
-        factor = 1.0 / a[i, i]
-        for j in range(4):
-            a[i, j] *= factor
-            b[i, j] *= factor
-        for k in range(4):
-            if k != i:
-                f = a[k, i]
-                for j in range(4):
-                    a[k, j] -= f * a[i, j]
-                    b[k, j] -= f * b[i, j]
+# matrices of the lines in hand, in one work array at compile-time offsets
+_DIAGONAL, _LOWER, _UPPER = 0 * _MATRIX, 1 * _MATRIX, 2 * _MATRIX
+_INVERSE, _PRODUCT, _SPARE = 3 * _MATRIX, 4 * _MATRIX, 5 * _MATRIX
+_BEFORE, _SPIKE, _RESULT = 6 * _MATRIX, 7 * _MATRIX, 8 * _MATRIX
+_WORK = 9 * _MATRIX
 
 
-@jit
-def _multiply(a: Any, b: Any, c: Any) -> None:
-    for i in range(4):
-        for j in range(4):
-            c[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j] + a[i, 3] * b[3, j]
-
-
-@jit
-def factorise(diagonal: Any, near: Any, shift: Any, around: Any, across: Any) -> None:
-    """Factors of both line sweeps for the diagonal blocks plus shift·I.
-
-    diagonal, near as from assemble; shift: (nj, ni). around: (groups of j, ni, 4 matrices, 16, LANES) float32 and
-    across: (groups of i, nj, 3 matrices, 16, LANES) float32, written. Matrices: inverse pivot, pivot·lower, pivot·upper
-    and, on closed lines, the response to the last cell.
-    """
-    nj, ni = diagonal.shape[0], diagonal.shape[1]
-    pivot, inverse, lower, upper = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4))
-    product, schur = np.empty((4, 4)), np.empty((4, 4))
-    uppers, spikes = np.empty((ni, 4, 4)), np.empty((ni, 4, 4))
-    lowers = np.empty((ni, 4, 4))
-    last = ni - 1
-    for j in range(nj):
-        group, lane = j // LANES, j % LANES
-        for i in range(last):
-            pivot[:] = diagonal[j, i]
-            for m in range(4):
-                pivot[m, m] += shift[j, i]
-            if i > 0:
-                _multiply(near[0, j, i], uppers[i - 1], product)
-                pivot[:] -= product
-            _invert(pivot, inverse)
-            _multiply(inverse, near[0, j, i], lower)
-            _multiply(inverse, near[1, j, i], upper)
-            lowers[i] = lower
-            uppers[i] = upper
-            # right side of the response to the last cell: its coupling into cells 0 and last−1
-            if i == 0:
-                spikes[0] = lower
-            else:
-                _multiply(lower, spikes[i - 1], product)
-                spikes[i] = -product
-            if i == last - 1:
-                spikes[i] += upper
-                uppers[i] = 0.0
-            for a in range(4):
-                for b in range(4):
-                    around[group, i, 0, 4 * a + b, lane] = inverse[a, b]
-                    around[group, i, 1, 4 * a + b, lane] = 0.0 if i == 0 else lower[a, b]
-                    around[group, i, 2, 4 * a + b, lane] = uppers[i, a, b]
-        for i in range(last - 2, -1, -1):
-            _multiply(uppers[i], spikes[i + 1], product)
-            spikes[i] -= product
-        schur[:] = diagonal[j, last]
-        for m in range(4):
-            schur[m, m] += shift[j, last]
-        _multiply(near[1, j, last], spikes[0], product)
-        schur[:] -= product
-        _multiply(near[0, j, last], spikes[last - 1], product)
-        schur[:] -= product
-        _invert(schur, inverse)
-        _multiply(inverse, near[0, j, last], lower)
-        _multiply(inverse, near[1, j, last], upper)
-        for a in range(4):
+@inline
+def _invert(w: Any, source: int, target: int) -> None:
+    """target = source^-1 for LANES matrices, Gauss–Jordan; source is destroyed. No pivoting: the blocks are dominant."""
+    for k in range(_MATRIX):
+        w[target + k] = 0.0
+    for m in range(4):
+        for l in range(LANES):
+            w[target + 5 * m * LANES + l] = 1.0
+    for m in range(4):
+        for l in range(LANES):
+            factor = np.float32(1.0) / w[source + 5 * m * LANES + l]
             for b in range(4):
-                around[group, last, 0, 4 * a + b, lane] = inverse[a, b]
-                around[group, last, 1, 4 * a + b, lane] = lower[a, b]
-                around[group, last, 2, 4 * a + b, lane] = upper[a, b]
-                for i in range(last):
-                    around[group, i, 3, 4 * a + b, lane] = spikes[i, a, b]
-    # across: lines of D^-1 [D + Lj], so that the product of both factors needs no extra multiplication
-    scale = np.empty((4, 4))
-    for i in range(ni):
-        group, lane = i // LANES, i % LANES
+                w[source + (4 * m + b) * LANES + l] *= factor
+                w[target + (4 * m + b) * LANES + l] *= factor
+        for a in range(4):
+            if a != m:
+                for l in range(LANES):
+                    f = w[source + (4 * a + m) * LANES + l]
+                    for b in range(4):
+                        w[source + (4 * a + b) * LANES + l] -= f * w[source + (4 * m + b) * LANES + l]
+                        w[target + (4 * a + b) * LANES + l] -= f * w[target + (4 * m + b) * LANES + l]
+
+
+@inline
+def _multiply(w: Any, first: int, second: int, target: int) -> None:
+    """target = first·second for LANES matrices."""
+    for a in range(4):
+        for b in range(4):
+            for l in range(LANES):
+                w[target + (4 * a + b) * LANES + l] = (
+                    w[first + 4 * a * LANES + l] * w[second + b * LANES + l]
+                    + w[first + (4 * a + 1) * LANES + l] * w[second + (4 + b) * LANES + l]
+                    + w[first + (4 * a + 2) * LANES + l] * w[second + (8 + b) * LANES + l]
+                    + w[first + (4 * a + 3) * LANES + l] * w[second + (12 + b) * LANES + l]
+                )
+
+
+@inline
+def _copy(source: Any, at: int, target: Any, to: int) -> None:
+    for k in range(_MATRIX):
+        target[to + k] = source[at + k]
+
+
+@inline
+def _subtract(w: Any, what: int, target: int) -> None:
+    for k in range(_MATRIX):
+        w[target + k] -= w[what + k]
+
+
+@inline
+def _gather(blocks: Any, shift: Any, first: int, count: int, stride: int, w: Any, to: int, padding: float) -> None:
+    """LANES blocks (flat, 16 each) from `first` on, `stride` blocks apart, side by side; shift on their diagonals.
+
+    Lanes beyond count get padding on the diagonal.
+    """
+    for k in range(_MATRIX):
+        w[to + k] = 0.0
+    for l in range(LANES):
+        if l < count:
+            block = blocks[16 * (first + l * stride) : 16 * (first + l * stride) + 16]
+            for k in range(16):
+                w[to + k * LANES + l] = block[k]
+            if padding != 0.0:
+                for m in range(4):
+                    w[to + 5 * m * LANES + l] += shift[first + l * stride]
+        else:
+            for m in range(4):
+                w[to + 5 * m * LANES + l] = padding
+
+
+@jit
+def factorise_around(diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, nj: int, around: Any) -> None:
+    """Factors of the closed lines along i for the diagonal blocks plus shift·I.
+
+    diagonal, back, ahead: flat (nj·ni·16,) blocks of a cell and of its neighbours i−1, i+1; shift: (nj·ni,);
+    around: flat (groups of j · ni · 4 matrices · 16 · LANES,) float32, written: inverse pivot, pivot·lower, pivot·upper and
+    the response to the last cell.
+    """
+    w = np.zeros(_WORK, dtype=np.float32)
+    last = ni - 1
+    for g in range((nj + LANES - 1) // LANES):
+        count = min(LANES, nj - g * LANES)
+        for i in range(last):
+            first = g * LANES * ni + i
+            _gather(diagonal, shift, first, count, ni, w, _DIAGONAL, 1.0)
+            _gather(back, shift, first, count, ni, w, _LOWER, 0.0)
+            _gather(ahead, shift, first, count, ni, w, _UPPER, 0.0)
+            f = around[(g * ni + i) * 4 * _MATRIX : (g * ni + i + 1) * 4 * _MATRIX]
+            if i > 0:
+                _multiply(w, _LOWER, _BEFORE, _PRODUCT)
+                _subtract(w, _PRODUCT, _DIAGONAL)
+            _invert(w, _DIAGONAL, _INVERSE)
+            _multiply(w, _INVERSE, _LOWER, _SPARE)
+            _multiply(w, _INVERSE, _UPPER, _RESULT)
+            # the response to the last cell starts from its coupling into cells 0 and last − 1
+            if i == 0:
+                _copy(w, _SPARE, w, _SPIKE)
+            else:
+                _multiply(w, _SPARE, _SPIKE, _PRODUCT)
+                for k in range(_MATRIX):
+                    w[_SPIKE + k] = -w[_PRODUCT + k]
+            if i == last - 1:
+                for k in range(_MATRIX):
+                    w[_SPIKE + k] += w[_RESULT + k]
+                    w[_RESULT + k] = 0.0
+            if i == 0:
+                for k in range(_MATRIX):
+                    w[_SPARE + k] = 0.0
+            _copy(w, _INVERSE, f, 0)
+            _copy(w, _SPARE, f, _MATRIX)
+            _copy(w, _RESULT, f, 2 * _MATRIX)
+            _copy(w, _SPIKE, f, 3 * _MATRIX)
+            _copy(w, _RESULT, w, _BEFORE)
+        for i in range(last - 2, -1, -1):
+            f = around[(g * ni + i) * 4 * _MATRIX : (g * ni + i + 1) * 4 * _MATRIX]
+            _copy(f, 2 * _MATRIX, w, _UPPER)
+            _multiply(w, _UPPER, _SPIKE, _PRODUCT)
+            _copy(f, 3 * _MATRIX, w, _SPIKE)
+            _subtract(w, _PRODUCT, _SPIKE)
+            _copy(w, _SPIKE, f, 3 * _MATRIX)
+        # the last cell: what remains of its block once the others are eliminated
+        first = g * LANES * ni + last
+        _gather(diagonal, shift, first, count, ni, w, _DIAGONAL, 1.0)
+        _gather(back, shift, first, count, ni, w, _LOWER, 0.0)
+        _gather(ahead, shift, first, count, ni, w, _UPPER, 0.0)
+        _multiply(w, _UPPER, _SPIKE, _PRODUCT)
+        _subtract(w, _PRODUCT, _DIAGONAL)
+        before = around[(g * ni + last - 1) * 4 * _MATRIX : (g * ni + last) * 4 * _MATRIX]
+        _copy(before, 3 * _MATRIX, w, _SPIKE)
+        _multiply(w, _LOWER, _SPIKE, _PRODUCT)
+        _subtract(w, _PRODUCT, _DIAGONAL)
+        _invert(w, _DIAGONAL, _INVERSE)
+        _multiply(w, _INVERSE, _LOWER, _SPARE)
+        _multiply(w, _INVERSE, _UPPER, _RESULT)
+        f = around[(g * ni + last) * 4 * _MATRIX : (g * ni + last + 1) * 4 * _MATRIX]
+        _copy(w, _INVERSE, f, 0)
+        _copy(w, _SPARE, f, _MATRIX)
+        _copy(w, _RESULT, f, 2 * _MATRIX)
+
+
+@jit
+def factorise_across(diagonal: Any, below: Any, above: Any, shift: Any, ni: int, nj: int, across: Any) -> None:
+    """Factors of the lines along j of D^-1 [D + Lj], so that the product of both sweeps needs no extra multiplication.
+
+    Arguments as for factorise_around, below and above being the neighbours j−1, j+1; across: flat (groups of i · nj ·
+    3 matrices · 16 · LANES,) float32, written: inverse pivot, pivot·lower, pivot·upper.
+    """
+    w = np.zeros(_WORK, dtype=np.float32)
+    for g in range((ni + LANES - 1) // LANES):
+        count = min(LANES, ni - g * LANES)
         for j in range(nj):
-            pivot[:] = diagonal[j, i]
-            for m in range(4):
-                pivot[m, m] += shift[j, i]
-            _invert(pivot, scale)
-            pivot[:] = 0.0
-            for m in range(4):
-                pivot[m, m] = 1.0
-            _multiply(scale, near[2, j, i], lower)
+            first = j * ni + g * LANES
+            _gather(diagonal, shift, first, count, 1, w, _DIAGONAL, 1.0)
+            _gather(below, shift, first, count, 1, w, _LOWER, 0.0)
+            _gather(above, shift, first, count, 1, w, _UPPER, 0.0)
+            _invert(w, _DIAGONAL, _INVERSE)
+            _multiply(w, _INVERSE, _LOWER, _SPARE)
+            _multiply(w, _INVERSE, _UPPER, _RESULT)
+            # pivot I − lower·(upper of the cell before)
+            for k in range(_MATRIX):
+                w[_DIAGONAL + k] = 0.0
             if j > 0:
-                _multiply(lower, uppers[j - 1], product)
-                pivot[:] -= product
-            _invert(pivot, inverse)
-            _multiply(inverse, lower, product)
-            for a in range(4):
-                for b in range(4):
-                    across[group, j, 0, 4 * a + b, lane] = inverse[a, b]
-                    across[group, j, 1, 4 * a + b, lane] = product[a, b]
-            _multiply(scale, near[3, j, i], product)
-            _multiply(inverse, product, upper)
-            uppers[j] = upper
-            for a in range(4):
-                for b in range(4):
-                    across[group, j, 2, 4 * a + b, lane] = upper[a, b]
+                _multiply(w, _SPARE, _BEFORE, _PRODUCT)
+                _subtract(w, _PRODUCT, _DIAGONAL)
+            for m in range(4):
+                for l in range(LANES):
+                    w[_DIAGONAL + 5 * m * LANES + l] += 1.0
+            _invert(w, _DIAGONAL, _INVERSE)
+            _multiply(w, _INVERSE, _SPARE, _PRODUCT)
+            _multiply(w, _INVERSE, _RESULT, _BEFORE)
+            f = across[(g * nj + j) * 3 * _MATRIX : (g * nj + j + 1) * 3 * _MATRIX]
+            _copy(w, _INVERSE, f, 0)
+            _copy(w, _PRODUCT, f, _MATRIX)
+            _copy(w, _BEFORE, f, 2 * _MATRIX)
 
 
 @inline
@@ -280,21 +337,31 @@ class Recipe:
     cfl: float
 
 
+class Blocks:
+    """Room for the blocks of a linearisation, used again each time: fresh memory costs as much as filling it."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        nj, ni = mesh.shape
+        self.diagonal, self.near, self.radius = np.empty((nj, ni, 4, 4)), np.empty((4, nj, ni, 4, 4)), np.empty((nj, ni))
+
+
 class Factors:
     """Line factors of the linearisation described by a recipe; never changed after."""
 
-    def __init__(self, recipe: Recipe, mesh: Mesh) -> None:
+    def __init__(self, recipe: Recipe, mesh: Mesh, blocks: Blocks) -> None:
         nj, ni = mesh.shape
         groups_j, groups_i = -(-nj // LANES), -(-ni // LANES)
-        diagonal, near, radius = np.empty((nj, ni, 4, 4)), np.empty((4, nj, ni, 4, 4)), np.empty((nj, ni))
+        diagonal, near, radius = blocks.diagonal, blocks.near, blocks.radius
         assemble(recipe.flow, mesh.side, mesh.ring, recipe.far, diagonal, near, radius)
         # lanes that pad the last group stay zero
         around = np.zeros((groups_j, ni, 4, 16, LANES), dtype=np.float32)
         across = np.zeros((groups_i, nj, 3, 16, LANES), dtype=np.float32)
-        factorise(diagonal, near, mesh.volume * recipe.weight + radius / recipe.cfl, around, across)
+        shift = (mesh.volume * recipe.weight + radius / recipe.cfl).ravel()
+        self._around, self._across = around.ravel(), across.ravel()
+        factorise_around(diagonal.ravel(), near[0].ravel(), near[1].ravel(), shift, ni, nj, self._around)
+        factorise_across(diagonal.ravel(), near[2].ravel(), near[3].ravel(), shift, ni, nj, self._across)
         self.recipe = recipe
         self._shape = nj, ni
-        self._around, self._across = around.ravel(), across.ravel()
         self._buffer = np.zeros(groups_j * ni * _VECTOR, dtype=np.float32)
 
     def solve(self, r: Array, x: Array) -> None:

@@ -168,7 +168,7 @@ class Flow(Field):
         recipe = Recipe(**state["recipe"])
         # the factors in hand, or those before them, nearly always are the ones; else the recipe makes them again
         known = [f for f in (self._factors, self._former) if f is not None and f.recipe.flow is recipe.flow]
-        self._set_factors(known[0] if known else Factors(recipe, self.mesh))
+        self._set_factors(known[0] if known else Factors(recipe, self.mesh, self.blocks))
 
     def _set_factors(self, factors: Factors) -> None:
         if factors is not self._factors:

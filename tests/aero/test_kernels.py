@@ -7,7 +7,7 @@ import pytest
 
 from fmus.aero.bdf import bdf_weights, combine, turn
 from fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
-from fmus.aero.implicit import Factors, Recipe
+from fmus.aero.implicit import Blocks, Factors, Recipe
 from fmus.aero.jacobian import _face_blocks, assemble
 from fmus.aero.march import Flow
 from fmus.aero.mesh import Mesh, o_mesh
@@ -185,7 +185,7 @@ def test_line_solver_inverts_the_product_of_its_factors(mesh: Mesh) -> None:
     flow = Flow(mesh, 0.7, 0.25)
     flow.start(0.05)
     recipe = Recipe(flow.q.copy(), flow.farfield.state.copy(), 0.7, 12.0)
-    factors = Factors(recipe, mesh)
+    factors = Factors(recipe, mesh, Blocks(mesh))
     r = np.random.default_rng(0).standard_normal(flow.q.shape)
     x = np.zeros_like(r)
     factors.solve(r, x)

@@ -1,0 +1,181 @@
+"""A boundary with a linear model: it foretells every neutral V_f of a Mach number, marches confirm them one by one.
+
+Each crossing is searched from its predicted V_f and slope, among the marches' modes by its predicted frequency, no further
+than to the next crossing of the same mode. What marches do not confirm is recorded as contradicted: there the response depends
+on its amplitude, or the linear model is wrong.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time as clock
+from collections.abc import Callable
+
+from master import flutter, linear
+from master.boundary import BoundaryPoint, Marcher, Prediction, outcome_text, sample, search
+from master.case import Case
+from master.errors import AeroSloshError, ComponentError
+from master.flutter import March
+from master.linear import LinearCrossing, LinearModel
+from master.rig import FlutterRig
+from master.search import Crossing, Sample
+from master.wording import plus_minus
+
+SAME_MODE = 0.25  # relative difference of frequency within which two crossings, or a fitted mode and a crossing, are one mode
+REACH = 1.35  # a crossing is looked for within this factor of its predicted V_f
+SHARED = 0.05  # marches of other crossings this near (relative) count
+
+
+@dataclasses.dataclass(frozen=True)
+class Confirm:
+    """What to do at one Mach number (a `boundary.Strategy`): `rig_at(mach)` is the open rig, `say` tells the user.
+
+    Without `marching` the linear model's crossings are the result."""
+
+    case: Case
+    rig_at: Callable[[float], FlutterRig]
+    say: Callable[[str], None]
+    marching: bool
+
+    def __call__(self, marcher: Marcher, mach: float, guess: float, slope: float) -> BoundaryPoint:
+        """The point at `mach`. A linear model that cannot be had is said; then marches search from `guess` alone."""
+        b, begin = self.case.boundary, clock.perf_counter()
+        low, high = b.V_f_range
+        rig = self.rig_at(mach)
+        amplitude = b.linear_amplitude_deg
+        if not isinstance(amplitude, float):
+            amplitude = self.case.flutter.forced_amplitude_deg or 1.0
+        try:
+            model = linear.identify(rig, amplitude, self.say)
+        except AeroSloshError as error:
+            if not self.marching:
+                failure = error if isinstance(error, ComponentError) else None
+                return BoundaryPoint(mach, [], [], f"no linear model: {error.what}", False, failure=failure)
+            self.say(f"  no linear model at Mach {mach:g}: {error.what}; marches alone")
+            return search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope)
+        expected = model.crossings(low, high)
+        for c in expected:
+            self.say(f"  linear: {c.direction} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}, frequency {c.frequency:.4f}")
+        if not self.marching:
+            point = _unmarched(mach, model, expected, low, high)
+        elif expected:
+            point = self._confirmed(marcher, mach, model, expected)
+        else:
+            self.say("  linear: no crossing in range; marches look for one")
+            point = search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope)
+            point.linear = model
+        point.wall = clock.perf_counter() - begin
+        return point
+
+    def _confirmed(self, marcher: Marcher, mach: float, model: LinearModel, expected: list[LinearCrossing]) -> BoundaryPoint:
+        """March at every predicted crossing."""
+        b = self.case.boundary
+        marches: list[March] = []
+        samples: list[Sample] = []
+        found: list[Crossing] = []
+        predictions: list[Prediction] = []
+        failure: ComponentError | None = None
+        for c in expected:
+            low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
+
+            def take(march: March, c: LinearCrossing = c) -> Sample:
+                return mode_sample(march, c.frequency)
+
+            near = [m for m in marches if abs(m.scales.V_f / c.V_f - 1.0) < SHARED and take(m).known]
+            most = len(near) + max(3, b.max_marches // 2)
+            part = search(marcher, mach, c.V_f, low, high, b.tolerance, most, c.slope * c.V_f, near, take)
+            marches += part.marches[len(near) :]
+            samples += part.samples[len(near) :]
+            failure = part.failure or failure
+            # a crossing is confirmed by one of the same direction
+            same = [x for x in part.crossings if x.direction == c.direction]
+            marched = min(same, key=lambda x: abs(x.V_f - c.V_f), default=None)
+            if marched is not None and b.uncertainty:
+                marched = self._with_uncertainty(mach, marched, part.marches, take)
+            predictions.append(_prediction(c, marched, part, model))
+            found += [] if marched is None else [marched]
+        found.sort(key=lambda x: x.V_f)
+        sure = bool(found) and all(p.state == "confirmed" for p in predictions)
+        text = outcome_text(found, samples, True, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
+        doubts = [p.text for p in predictions if p.state == "contradicted"]
+        return BoundaryPoint(
+            mach, found, samples, "; ".join([text, *doubts]), sure, marches, 0.0, failure, model, predictions
+        )  # fmt: skip
+
+    def _with_uncertainty(
+        self, mach: float, crossing: Crossing, marches: list[March], take: Callable[[March], Sample]
+    ) -> Crossing:
+        """`crossing` with what half the step and half the forced amplitude change in it, in its `parts` and its error bar.
+
+        The march nearest to it is repeated; a change δσ of its growth rate moves the crossing by −δσ / slope."""
+        known = [m for m in marches if take(m).known]
+        base = min(known, key=lambda m: abs(m.scales.V_f - crossing.V_f))
+        rig, f = self.rig_at(mach), self.case.flutter
+        variants = {
+            "step": {"steps_per_cycle": 2 * base.scales.steps_per_cycle},
+            "amplitude": {"forced_amplitude_deg": 0.5 * f.forced_amplitude_deg, "initial_alpha_dot": 0.5 * f.initial_alpha_dot},
+        }
+        parts = {"fit_and_interpolation": crossing.uncertainty}
+        for name, change in variants.items():
+            rig.case = dataclasses.replace(self.case, flutter=dataclasses.replace(f, **change))  # type: ignore[arg-type]
+            try:
+                other = take(flutter.march(rig, base.scales.V_f))
+            finally:
+                rig.case = self.case
+            if other.known:
+                parts[name] = (take(base).growth_rate - other.growth_rate) / crossing.slope
+                self.say(f"  half the {name} moves V_f by {parts[name]:+.4f}")
+            else:
+                self.say(f"  half the {name}: no growth rate, not in the error bar")
+        return dataclasses.replace(crossing, parts=parts, uncertainty=math.hypot(*parts.values()))
+
+
+def mode_sample(march: March, frequency: float) -> Sample:
+    """The growth rate of the fitted mode nearest to `frequency` (over omega_alpha); none when no visible mode is near."""
+    whole, fit = sample(march), march.fit
+    if fit is None or not whole.known or frequency <= 0.0:
+        return whole
+    near = [m for m in fit.modes if abs(m.frequency - frequency) <= SAME_MODE * frequency and m.share >= 0.005]
+    if not near:
+        return Sample(march.scales.V_f, math.nan, math.nan, math.nan)
+    mode = min(near, key=lambda m: abs(m.frequency - frequency))
+    std = whole.std if mode is fit.flutter else math.hypot(mode.growth_rate_std, whole.std)
+    return Sample(march.scales.V_f, mode.growth_rate, std, mode.frequency)
+
+
+def _window(c: LinearCrossing, expected: list[LinearCrossing], low: float, high: float) -> tuple[float, float]:
+    """Where to look for `c`: within REACH, and half the way to the next crossing of the same mode."""
+    low, high = max(low, c.V_f / REACH), min(high, c.V_f * REACH)
+    for other in expected:
+        if other is c or abs(other.frequency - c.frequency) > SAME_MODE * c.frequency:
+            continue
+        middle = math.sqrt(other.V_f * c.V_f)
+        low, high = (max(low, middle), high) if other.V_f < c.V_f else (low, min(high, middle))
+    return low, high
+
+
+def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint, model: LinearModel) -> Prediction:
+    """What marches said of `c`, in words."""
+    said = f"linear {c.direction} at V_f = {c.V_f:.4f} (sweeps of {model.amplitude_deg:g}°)"
+    if marched is not None:
+        return Prediction(c, "confirmed", marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
+    known = [s for s in part.samples if s.known]
+    if not known:
+        return Prediction(c, "contradicted", None, f"{said} not confirmed: no march there gave this mode's growth rate")
+    span = f"V_f {min(s.V_f for s in known):.4f} to {max(s.V_f for s in known):.4f}"
+    rates = f"{min(s.growth_rate for s in known):+.4f} to {max(s.growth_rate for s in known):+.4f}"
+    return Prediction(c, "contradicted", None, f"{said} not confirmed: growth rate {rates} over {span}; depends on amplitude")
+
+
+def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:
+    """The linear model's crossings as the result."""
+    found = [
+        Crossing(c.V_f, c.uncertainty, c.frequency, c.direction, c.slope, True, 0.0, source="linear") for c in expected
+    ]  # fmt: skip
+    text = outcome_text(found, [], True, low, high, 0, None)
+    if not found:
+        rate = max(float(model.eigenvalues(v)[0].real) for v in (low, high))
+        text = f"no crossing in V_f {low:g} to {high:g}: {'growing' if rate > 0 else 'damped'} (linear model)"
+    predictions = [Prediction(c) for c in expected]
+    return BoundaryPoint(mach, found, [], text, not model.note, linear=model, predictions=predictions)

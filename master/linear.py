@@ -1,0 +1,179 @@
+"""A linear model of one Mach number from small motions of its aero FMU, and every neutral V_f that follows from it.
+
+Two sweeps in frequency, one of the plunge rate and one of pitch, are answered by the FMU and fitted by a rational model
+(module `rational`); a third motion, another sweep in both at once, tells how well the model foretells what it was not fitted
+to. A sweep of finite amplitude gives the best linear model at that amplitude: where a shock makes the loads depend on it, sweep
+as far as the marches swing (Pintelon and Schoukens, System Identification, 2nd ed., 2012, doi 10.1002/9781118287422). In fixed
+air V_f changes the structure alone (module `similarity`), so one model serves every V_f: the aeroelastic eigenvalues follow
+from the structure's matrices and the model's, without a march.
+
+Time is s = U t / b; x = (h/b, alpha, their derivatives, memory of the plunge rate, memory of pitch).
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from master import loci, rational
+from master.case import Case
+from master.loci import Loci
+from master.pulses import check_face, chirp, drive, still
+from master.rational import Rational
+from master.rig import FlutterRig
+from master.similarity import scales
+
+STEP = 0.4  # half chords of travel a step, as in a march
+SWEEP, REST = 240.0, 40.0  # length of a sweep and of the rest after it, half chords
+LOWEST, BAND = 0.02, 1.0  # reduced frequencies swept
+CHECK = 150.0  # length of the motion that is not fitted
+ORDER = 8  # poles
+SLOWEST, FASTEST = 0.02, 2.0  # rates of the poles first guessed, per half chord
+GRID = 160  # V_f values a range, evenly spread in their logarithm
+GOOD = 0.02  # a model that misses more of the unseen motion is said to
+
+
+@dataclass(frozen=True)
+class LinearCrossing:
+    """A neutral V_f of the linear model, frequency over omega_alpha; `slope` is d(σ/ω_α)/dV_f."""
+
+    V_f: float
+    frequency: float
+    direction: str
+    slope: float
+    branch: int
+    reduced_frequency: float
+    uncertainty: float = 0.0  # change of V_f under a model of two poles less
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """The aerodynamics of `case` at `mach`, linear about its steady flow.
+
+    fit_error    rms missed over rms, of C_L and C_M, in the records fitted: (2,)
+    check_error  the same in the motion not fitted: (2,)
+    smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty
+    cpu          seconds: FMU and fit; steps: of the FMU
+    note         what a user should know, or empty
+    """
+
+    case: Case
+    mach: float
+    amplitude_deg: float
+    aero: Rational
+    smaller: Rational
+    fit_error: np.ndarray
+    check_error: np.ndarray
+    steps: int
+    cpu: float
+    wall: float
+    note: str
+
+    def matrix(self, V_f: float) -> np.ndarray:
+        """x' = A x of section and flow at `V_f`, per half chord of travel. Shape: (4 + 2 n, 4 + 2 n)."""
+        return system_matrix(self.case, self.aero, V_f)
+
+    def eigenvalues(self, V_f: float) -> np.ndarray:
+        """Eigenvalues / omega_alpha with positive imaginary part, least damped first. Shape: (n,)."""
+        values = np.linalg.eigvals(self.matrix(V_f)) * _per_omega_alpha(self.case, V_f)
+        values = values[values.imag > 1e-6]
+        return values[np.argsort(-values.real)]
+
+    def loci(self, low: float, high: float) -> Loci:
+        """All eigenvalues / omega_alpha over V_f in [low, high]."""
+        return self._loci(self.aero, low, high)
+
+    def _loci(self, aero: Rational, low: float, high: float) -> Loci:
+        def matrix(V_f: float) -> np.ndarray:
+            return system_matrix(self.case, aero, V_f) * _per_omega_alpha(self.case, V_f)
+
+        return loci.follow(matrix, np.geomspace(low, high, GRID))
+
+    def crossings(self, low: float, high: float) -> list[LinearCrossing]:
+        """All neutral V_f in [low, high] at reduced frequencies that the model knows, in rising order."""
+        others = self._loci(self.smaller, low, high).neutral
+        found = []
+        for n in self.loci(low, high).neutral:
+            k = n.frequency / _per_omega_alpha(self.case, n.value)
+            if k <= BAND:
+                same = [o for o in others if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency]
+                doubt = min((abs(o.value - n.value) for o in same), default=0.1 * n.value)
+                found.append(LinearCrossing(n.value, n.frequency, n.direction, n.slope, n.branch, k, doubt))
+        return found
+
+
+def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] = lambda text: None) -> LinearModel:
+    """The linear model of the aero FMU of `rig`, from its saved steady flow, by motions of `amplitude_deg`.
+
+    Raises ComponentError when the FMU fails, AeroSloshError when it lacks a variable or answers with no number."""
+    begin = clock.perf_counter(), clock.process_time()
+    check_face(rig.aero)
+    s = scales(rig.case, rig.mach, rig.case.flutter.V_f)  # speed and chord: V_f does not matter
+    size = math.radians(amplitude_deg)
+    sweep = chirp(size, 0.0, SWEEP, (LOWEST, BAND), 0.8)
+    records = []
+    for name, curves in (("plunge", (sweep, still)), ("pitch", (still, sweep))):
+        say(f"  sweep in {name}, {amplitude_deg:g} degrees")
+        records.append(drive(rig.aero, rig.steady, s, curves, STEP, SWEEP + REST))
+    say("  another motion, to check")
+    both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
+    check = drive(rig.aero, rig.steady, s, both, STEP, CHECK)
+    aero, smaller = (rational.fit(records, order, SLOWEST, FASTEST) for order in (ORDER, ORDER - 2))
+    fit_error, check_error = np.max([aero.error(r) for r in records], axis=0), aero.error(check)
+    return LinearModel(
+        rig.case,
+        rig.mach,
+        amplitude_deg,
+        aero,
+        smaller,
+        fit_error,
+        check_error,
+        sum(r.s.size - 1 for r in [*records, check]),
+        clock.process_time() - begin[1],
+        clock.perf_counter() - begin[0],
+        _note(check_error),
+    )
+
+
+def _note(check_error: np.ndarray) -> str:
+    """What is wrong with the model, if anything."""
+    if np.max(check_error) <= GOOD:
+        return ""
+    return f"the linear model misses {100 * np.max(check_error):.1f} % of a motion it was not fitted to: the loads are not linear"
+
+
+def _per_omega_alpha(case: Case, V_f: float) -> float:
+    """What turns a rate per half chord into one over omega_alpha: U / (b omega_alpha) = V_f sqrt(mu)."""
+    return V_f * math.sqrt(case.section.mass_ratio)
+
+
+def system_matrix(case: Case, aero: Rational, V_f: float) -> np.ndarray:
+    """Section and flow: x' = A x per half chord, x = (h/b, alpha, (h/b)', alpha', memory). Shape: (4 + 2 n, 4 + 2 n).
+
+    m h'' + S alpha'' + … = −lift divided by m U²/b, and the pitch equation by m U²:
+    loads enter as −C_L / (π μ) and 2 C_M / (π μ); the plunge rate w = (h/b)' is the first aerodynamic input."""
+    section = case.section
+    k_alpha = 1.0 / _per_omega_alpha(case, V_f)
+    k_h = section.frequency_ratio * k_alpha
+    x, r2 = section.x_alpha, section.r2_alpha
+    load = np.array([-1.0, 2.0])[:, None] / (math.pi * section.mass_ratio)
+    D0, D1, D2 = aero.feedthrough
+    zero = np.zeros(2)
+    M = np.array([[1.0, x], [x, r2]]) - load * np.column_stack([D1[:, 0], D2[:, 1]])
+    C = np.diag([2.0 * section.damping_ratio_h * k_h, 2.0 * section.damping_ratio_alpha * r2 * k_alpha])
+    C = C - load * np.column_stack([D0[:, 0], D1[:, 1]])
+    K = np.diag([k_h**2, r2 * k_alpha**2]) - load * np.column_stack([zero, D0[:, 1]])
+    memory, output = aero.states()
+    n = memory.shape[0]
+    A = np.zeros((4 + 2 * n, 4 + 2 * n))
+    A[:2, 2:4] = np.eye(2)
+    force = np.hstack([-K, -C, load * output[:, :, 0], load * output[:, :, 1]])
+    A[2:4] = np.linalg.solve(M, force)
+    A[4 : 4 + n, 4 : 4 + n] = A[4 + n :, 4 + n :] = memory
+    A[4 : 4 + n, 2] = aero.entry  # driven by (h/b)'
+    A[4 + n :, 1] = aero.entry  # driven by alpha
+    return A

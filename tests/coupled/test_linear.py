@@ -1,0 +1,117 @@
+"""The linear model of the thin-airfoil double: its eigenvalues and neutral V_f are known exactly."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from master import linear
+from master.case import Case
+from master.errors import AeroSloshError
+from master.rig import FlutterRig, find_fmus
+
+sys.path.insert(0, str(Path(__file__).parent))
+import theory
+
+MACH = 0.3
+CASE = Path(__file__).parents[2] / "cases" / "isogai_a.toml"
+
+
+@pytest.fixture(scope="module")
+def model(flutter_fmus: Path) -> linear.LinearModel:
+    with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
+        return linear.identify(rig, 1.0)
+
+
+def test_it_foretells_a_motion_it_was_not_fitted_to(model: linear.LinearModel) -> None:
+    assert model.fit_error.max() < 5e-4 and model.check_error.max() < 5e-4
+    assert model.note == ""
+
+
+@pytest.mark.parametrize("V_f", [0.6, 1.0, 1.5, 2.4, 2.8])
+def test_eigenvalues(model: linear.LinearModel, V_f: float) -> None:
+    exact = theory.eigenvalues(model.case, MACH, V_f)
+    ours = model.eigenvalues(V_f)
+    for value in exact[:2]:
+        if value.imag / (V_f * np.sqrt(60.0)) < linear.BAND:  # what was swept
+            assert np.min(np.abs(ours - value)) < 1e-3 * abs(value)
+
+
+def test_neutral_V_f(model: linear.LinearModel) -> None:
+    expected = theory.neutral(model.case, MACH, 1.5, 3.0)
+    [found] = model.crossings(0.5, 3.0)
+    assert found.V_f == pytest.approx(expected, rel=1e-3)
+    assert found.frequency == pytest.approx(theory.eigenvalues(model.case, MACH, expected)[0].imag, rel=1e-3)
+    slope = (theory.eigenvalues(model.case, MACH, 2.4)[0].real - theory.eigenvalues(model.case, MACH, 2.35)[0].real) / 0.05
+    assert found.direction == "onset" and found.slope == pytest.approx(slope, rel=0.05)
+    assert found.uncertainty < 2e-3 * expected
+
+
+def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: linear.LinearModel) -> None:
+    gain = model.aero.response(np.array([0.0]))[0]
+    assert gain[:, 0] == pytest.approx(gain[:, 1], rel=1e-3)
+    assert gain[0].real == pytest.approx(2.0 * np.pi, rel=0.01)
+
+
+def test_a_face_without_motion_inputs_is_refused(flutter_fmus: Path) -> None:
+    with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
+        del rig.aero.input_index["h_ddot"]
+        with pytest.raises(AeroSloshError, match="no Real input h_ddot"):
+            linear.identify(rig, 1.0)
+
+
+def run(fmus: Path, out: Path, *arguments: str) -> tuple[int, dict]:
+    done = subprocess.run(
+        [sys.executable, "-m", "master.cli", "boundary", str(CASE), *arguments, "--json", "--out", str(out)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"AEROSLOSH_FMUS": str(fmus)},
+    )
+    assert done.stdout, done.stderr
+    return done.returncode, json.loads(done.stdout)
+
+
+def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear.LinearModel) -> None:
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "0.35", "--method", "linear")
+    assert code == 0
+    for point in data["points"]:
+        expected = theory.neutral(model.case, point["mach"], 1.5, 3.0)
+        [crossing] = point["crossings"]
+        assert crossing["V_f"] == pytest.approx(expected, rel=1e-3) and crossing["source"] == "linear"
+        assert point["converged"] and not point["marches"]
+        assert point["linear"]["crossings"][0]["state"] == "not marched"
+        assert max(point["linear"]["check_error"]) < 1e-3
+    assert (tmp_path / "run" / "boundary.png").is_file()
+
+
+def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model: linear.LinearModel) -> None:
+    """Three marches confirm the linear value; half the step and half the amplitude go into the error bar."""
+    settings = ("--set", "flutter.steps_per_cycle=300", "--set", "coupling.scheme=implicit")
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "both", "--uncertainty", *settings)
+    assert code == 0
+    [point] = data["points"]
+    [crossing], [foretold] = point["crossings"], point["linear"]["crossings"]
+    assert crossing["V_f"] == pytest.approx(theory.neutral(model.case, MACH, 1.5, 3.0), rel=1e-3)
+    assert crossing["source"] == "march" and len(point["marches"]) <= 3
+    assert foretold["state"] == "confirmed" and foretold["marched_V_f"] == crossing["V_f"]
+    assert set(crossing["uncertainty_parts"]) == {"fit_and_interpolation", "step", "amplitude"}
+    assert abs(crossing["uncertainty_parts"]["amplitude"]) < 1e-3
+    assert crossing["V_f_uncertainty"] < 5e-3 * crossing["V_f"]
+
+
+def test_a_failing_component_with_the_linear_model_alone(flutter_fmus: Path, tmp_path: Path) -> None:
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "linear", "--set", "flow.airfoil=FAIL 20")
+    assert code == 3
+    assert data["points"][0]["outcome"].startswith("no linear model: Component 'aero' failed")
+
+
+def test_an_answer_that_is_no_number_leaves_the_marches(flutter_fmus: Path, tmp_path: Path) -> None:
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "linear", "--set", "flow.airfoil=NAN 20")
+    assert code == 4
+    assert "not a number in step 20" in data["points"][0]["outcome"]
