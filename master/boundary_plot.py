@@ -16,15 +16,15 @@ from master.search import Crossing
 
 NEAR = 0.45  # crossings of neighbouring Mach numbers further apart than this in ln V_f and ln frequency are not joined
 COLORS = {"onset": BLUE, "recovery": GREEN}
-Any_ = Crossing | LinearCrossing
+Found = Crossing | LinearCrossing
 
 
-def branches(rows: list[tuple[float, list[Any_]]]) -> list[list[tuple[float, Any_]]]:
+def branches(rows: list[tuple[float, list[Found]]]) -> list[list[tuple[float, Found]]]:
     """Join crossings of neighbouring Mach numbers: same direction, near in V_f and frequency, nearest first.
 
     `rows`: (mach, crossings), in rising Mach number. Each branch is a list of (mach, crossing)."""
-    done: list[list[tuple[float, Any_]]] = []
-    growing: list[list[tuple[float, Any_]]] = []
+    done: list[list[tuple[float, Found]]] = []
+    growing: list[list[tuple[float, Found]]] = []
     for mach, crossings in rows:
         pairs = sorted(
             (_distance(branch[-1][1], c), i, j)
@@ -42,7 +42,7 @@ def branches(rows: list[tuple[float, list[Any_]]]) -> list[list[tuple[float, Any
     return done + growing
 
 
-def _distance(a: Any_, b: Any_) -> float:
+def _distance(a: Found, b: Found) -> float:
     frequency = math.log(b.frequency / a.frequency) if min(a.frequency, b.frequency) > 0.0 else 0.0
     return math.hypot(math.log(b.V_f / a.V_f), frequency)
 
@@ -89,7 +89,8 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None)
         low.set_ylabel("$\\omega/\\omega_\\alpha$")
         low.set_xlabel("Mach number")
         top.set_title("Neutral $V_f$: growing above an onset, damped above a recovery")
-        top.margins(x=0.05, y=0.08)
+        top.margins(y=0.08)
+        top.set_xlim(points[0].mach - 0.01, points[-1].mach + 0.01)
         top.legend(loc="best", fontsize=8)
         figure.savefig(path)
         plt.close(figure)

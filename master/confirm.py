@@ -12,6 +12,8 @@ import math
 import time as clock
 from collections.abc import Callable
 
+import numpy as np
+
 from master import flutter, linear
 from master.boundary import BoundaryPoint, Marcher, Prediction, outcome_text, sample, search
 from master.case import Case
@@ -62,9 +64,7 @@ class Confirm:
         elif expected:
             point = self._confirmed(marcher, mach, model, expected)
         else:
-            self.say("  linear: no crossing in range; marches look for one")
-            point = search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope)
-            point.linear = model
+            point = self._none_expected(marcher, mach, model)
         point.wall = clock.perf_counter() - begin
         return point
 
@@ -75,6 +75,7 @@ class Confirm:
         samples: list[Sample] = []
         found: list[Crossing] = []
         predictions: list[Prediction] = []
+        vague: list[str] = []
         failure: ComponentError | None = None
         for c in expected:
             low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
@@ -94,14 +95,35 @@ class Confirm:
             if marched is not None and b.uncertainty:
                 marched = self._with_uncertainty(mach, marched, part.marches, take)
             predictions.append(_prediction(c, marched, part, model))
+            if marched is not None and not part.converged:
+                vague.append(f"{c.direction} near {marched.V_f:.4f}: tolerance not met in {len(part.marches)} marches")
             found += [] if marched is None else [marched]
         found.sort(key=lambda x: x.V_f)
-        sure = bool(found) and all(p.state == "confirmed" for p in predictions)
         text = outcome_text(found, samples, True, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
         doubts = [p.text for p in predictions if p.state == "contradicted"]
         return BoundaryPoint(
-            mach, found, samples, "; ".join([text, *doubts]), sure, marches, 0.0, failure, model, predictions
+            mach, found, samples, "; ".join([text, *vague, *doubts]), bool(found) and not vague, marches, 0.0, failure, model, predictions
         )  # fmt: skip
+
+    def _none_expected(self, marcher: Marcher, mach: float, model: LinearModel) -> BoundaryPoint:
+        """No crossing foretold: a few marches, the least damped V_f among them, see whether that is so.
+
+        When one of them grows the marches look for the crossing on their own."""
+        b = self.case.boundary
+        low, high = b.V_f_range
+        places = _to_probe(model, low, high)
+        self.say(f"  linear: no crossing in range; marches at V_f {', '.join(f'{v:.3g}' for v in places)}")
+        marches = [marcher(V_f) for V_f in places[: b.max_marches]]
+        known = [s for s in map(sample, marches) if s.known]
+        if any(s.growth_rate > 0.0 for s in known):
+            first = max(known, key=lambda s: s.growth_rate)
+            point = search(marcher, mach, first.V_f, low, high, b.tolerance, b.max_marches, done=marches)
+            point.linear = model
+            return point
+        failure = next((m.failure for m in marches if m.failure is not None), None)
+        agreed = len(known) == len(marches)
+        text = f"no crossing: damped in V_f {low:g} to {high:g} (linear model), and in {len(known)} of {len(marches)} marches"
+        return BoundaryPoint(mach, [], [sample(m) for m in marches], text, agreed, marches, 0.0, failure, model)
 
     def _with_uncertainty(
         self, mach: float, crossing: Crossing, marches: list[March], take: Callable[[March], Sample]
@@ -142,6 +164,16 @@ def mode_sample(march: March, frequency: float) -> Sample:
     mode = min(near, key=lambda m: abs(m.frequency - frequency))
     std = whole.std if mode is fit.flutter else math.hypot(mode.growth_rate_std, whole.std)
     return Sample(march.scales.V_f, mode.growth_rate, std, mode.frequency)
+
+
+def _to_probe(model: LinearModel, low: float, high: float) -> list[float]:
+    """V_f worth a march when the model is damped everywhere: three spread evenly, and where its damping has a minimum."""
+    grid = np.geomspace(low, high, 60)
+    rates = np.array([model.eigenvalues(float(v))[0].real for v in grid])
+    peaks = [int(i) + 1 for i in np.flatnonzero((rates[1:-1] > rates[:-2]) & (rates[1:-1] > rates[2:]))]
+    peaks = sorted(peaks, key=lambda i: -rates[i])[:2]
+    spread = [float(grid[i]) for i in (10, 30, 50)]
+    return sorted(spread + [v for v in (float(grid[i]) for i in peaks) if all(abs(v / s - 1.0) > 0.05 for s in spread)])
 
 
 def _window(c: LinearCrossing, expected: list[LinearCrossing], low: float, high: float) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Root loci of a system matrix over a parameter: every eigenvalue followed, and every place where one turns unstable or stable.
 
-Eigenvalues at neighbouring parameters are matched as sets (least total distance, scipy's linear assignment); where one moved
-further than to its nearest neighbour's distance the interval is halved, so that modes which come close are not exchanged.
+Eigenvalues are matched as sets (least total distance, scipy's linear assignment) to where the last two steps point; where one
+misses by more than half the distance to its neighbour the interval is halved, so that modes which come close are not exchanged.
 A change of sign of a followed real part is then narrowed down by Brent's method on that eigenvalue.
 """
 
@@ -65,12 +65,14 @@ def follow(matrix: Matrix, grid: np.ndarray) -> Loci:
 def _advance(matrix: Matrix, parameters: list[float], rows: list[np.ndarray], target: float, depth: int) -> None:
     """Append the eigenvalues at `target`, matched to the last row; halve the way there when the match is in doubt."""
     old, new = rows[-1], np.linalg.eigvals(matrix(target)).astype(complex)
-    distance = np.abs(old[:, None] - new[None, :])
-    order = linear_sum_assignment(distance)[1]
-    moved = np.abs(new[order] - old)
-    apart = np.abs(old[:, None] - old[None, :]) + np.where(np.eye(old.size, dtype=bool), np.inf, 0.0)
-    # an oscillation that moves further than half the way to its neighbour may have been taken for it
-    doubtful = (moved > 0.5 * apart.min(axis=1)) & (old.imag > 0.0)
+    expected = old
+    if len(rows) > 1:
+        expected = old + (old - rows[-2]) * (target - parameters[-1]) / (parameters[-1] - parameters[-2])
+    order = linear_sum_assignment(np.abs(expected[:, None] - new[None, :]))[1]
+    missed = np.abs(new[order] - expected)
+    apart = np.abs(new[order, None] - new[None, order]) + np.where(np.eye(old.size, dtype=bool), np.inf, 0.0)
+    # an oscillation that misses by more than half the way to its neighbour may have been taken for it
+    doubtful = (missed > 0.5 * apart.min(axis=1)) & (old.imag > 0.0)
     if depth and np.any(doubtful):
         _advance(matrix, parameters, rows, 0.5 * (parameters[-1] + target), depth - 1)
         _advance(matrix, parameters, rows, target, depth - 1)

@@ -48,7 +48,8 @@ def test_neutral_V_f(model: linear.LinearModel) -> None:
     [found] = model.crossings(0.5, 3.0)
     assert found.V_f == pytest.approx(expected, rel=1e-3)
     assert found.frequency == pytest.approx(theory.eigenvalues(model.case, MACH, expected)[0].imag, rel=1e-3)
-    slope = (theory.eigenvalues(model.case, MACH, 2.4)[0].real - theory.eigenvalues(model.case, MACH, 2.35)[0].real) / 0.05
+    rates = [theory.eigenvalues(model.case, MACH, expected + d)[0].real for d in (-1e-3, 1e-3)]
+    slope = (rates[1] - rates[0]) / 2e-3
     assert found.direction == "onset" and found.slope == pytest.approx(slope, rel=0.05)
     assert found.uncertainty < 2e-3 * expected
 
