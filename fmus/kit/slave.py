@@ -99,10 +99,19 @@ class Slave(Failing, Fmi2Slave):
         self._fixed = {v.name: None for v in self.variables if v.causality == "parameter" and not v.tunable}
         self._prepared: tuple[Value, ...] | None = None  # the parameters that `prepare` ran for
         self._references: dict[str, dict[int, Variable]] = {name: {} for name in _REGISTER}
+        # what a step goes through, ready made: Real inputs with their ranges, names by reference, Real outputs
+        self._ranges: dict[int, tuple[str, float, float]] = {}
+        self._names: dict[str, dict[int, str]] = {name: {} for name in _REGISTER}
+        self._results: list[str] = []
         for reference, variable in enumerate(self.declared):
             if variable.name in self.__dict__:
                 raise TypeError(f"{self.modelName}: variable name '{variable.name}' is taken by the base class")
             self._references[variable.type][reference] = variable
+            self._names[variable.type][reference] = variable.name
+            if variable.type == "Real" and variable.causality == "input":
+                self._ranges[reference] = (variable.name, variable.low, variable.high)
+            elif variable.type == "Real" and variable.causality == "output":
+                self._results.append(variable.name)
             setattr(self, variable.name, UNSET[variable.type] if variable.start is None else variable.start)
             self.register_variable(
                 _REGISTER[variable.type](variable.name, causality=Fmi2Causality[variable.causality]),
@@ -188,10 +197,10 @@ class Slave(Failing, Fmi2Slave):
 
     def _check_outputs(self) -> None:
         values = self.__dict__
-        for variable in self._references["Real"].values():
-            if variable.causality == "output" and not math.isfinite(values[variable.name]):
+        for name in self._results:
+            if not math.isfinite(values[name]):
                 raise StepError(
-                    f"output '{variable.name}' = {values[variable.name]} at t = {self.time!r} s. "
+                    f"output '{name}' = {values[name]} at t = {self.time!r} s. "
                     "Remedy: reduce the step size; look at the inputs for a diverged value"
                 )
 
@@ -211,6 +220,9 @@ class Slave(Failing, Fmi2Slave):
 
     def _get(self, type_: str, vrs: list[int]) -> list[Any]:
         declared, values = self._references[type_], self.__dict__
+        if self._mode == RUNNING and not self._failure and not self._refused:
+            names = self._names[type_]
+            return [values[names[vr]] for vr in vrs]
         if self._mode == INITIALIZING and self._stale:
             self._initialize_for([declared[vr] for vr in vrs])
         message = self.message
@@ -263,6 +275,16 @@ class Slave(Failing, Fmi2Slave):
     @quiet
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set Reals by value reference; a value that is refused is not applied (see the module's text)."""
+        if self._mode == RUNNING and not self._refused:
+            own, ranges = self.__dict__, self._ranges
+            for vr, value in zip(vrs, values, strict=True):
+                name, low, high = ranges.get(vr, ("", 1.0, 0.0))
+                if not low <= value <= high:  # not an input, not a number, out of range: the long way
+                    break
+                own[name] = value
+            else:
+                self._stale = True
+                return
         self._set("Real", vrs, list(values))
 
     @quiet
