@@ -101,9 +101,8 @@ class Confirm:
         found.sort(key=lambda x: x.V_f)
         text = outcome_text(found, samples, True, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
         doubts = [p.text for p in predictions if p.state == "contradicted"]
-        return BoundaryPoint(
-            mach, found, samples, "; ".join([text, *vague, *doubts]), bool(found) and not vague, marches, 0.0, failure, model, predictions
-        )  # fmt: skip
+        text, sure = "; ".join([text, *vague, *doubts]), bool(found) and not vague
+        return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions)
 
     def _none_expected(self, marcher: Marcher, mach: float, model: LinearModel) -> BoundaryPoint:
         """No crossing foretold: a few marches, the least damped V_f among them, see whether that is so.
@@ -122,7 +121,9 @@ class Confirm:
             return point
         failure = next((m.failure for m in marches if m.failure is not None), None)
         agreed = len(known) == len(marches)
-        text = f"no crossing: damped in V_f {low:g} to {high:g} (linear model), and in {len(known)} of {len(marches)} marches"
+        word = "growing" if model.eigenvalues(low)[0].real > 0.0 else "damped"
+        text = f"no crossing: {word} in V_f {low:g} to {high:g} (linear model), damped in {len(known)} of {len(marches)} marches"
+        agreed = agreed and word == "damped"
         return BoundaryPoint(mach, [], [sample(m) for m in marches], text, agreed, marches, 0.0, failure, model)
 
     def _with_uncertainty(
@@ -197,7 +198,7 @@ def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint
         return Prediction(c, "contradicted", None, f"{said} not confirmed: no march there gave this mode's growth rate")
     span = f"V_f {min(s.V_f for s in known):.4f} to {max(s.V_f for s in known):.4f}"
     rates = f"{min(s.growth_rate for s in known):+.4f} to {max(s.growth_rate for s in known):+.4f}"
-    return Prediction(c, "contradicted", None, f"{said} not confirmed: growth rate {rates} over {span}; depends on amplitude")
+    return Prediction(c, "contradicted", None, f"{said} not confirmed by marches: growth rate {rates} over {span}")
 
 
 def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:

@@ -47,6 +47,7 @@ class Aero(Slave):
                depends_initially=("alpha",)),
         output("converged", "", "Whether the last step met the tolerance", type=bool, depends=MOTION,
                depends_initially=("alpha",)),
+        output("refactorings", "", "Linearisations since the start", type=int, depends=MOTION, depends_initially=("alpha",)),
         output("retries", "", "Repetitions of the last step with smaller pseudo-steps", type=int, depends=MOTION,
                depends_initially=("alpha",)),
     )  # fmt: skip
@@ -106,3 +107,4 @@ class Aero(Slave):
         self.lift, self.moment = force * lift, force * self.chord * moment
         self.subiterations, self.residual = report.subiterations, report.residual
         self.converged, self.retries = report.converged, report.retries
+        self.refactorings = self.flow.refactorings

@@ -67,7 +67,7 @@ class Flow(Field):
         self._levels = (flow, flow, flow)
         self._times = (0.0, 0.0, 0.0)
         self._lift = self.coefficients.lift
-        self._moved, self._caution, self._refresh = 0.0, 1.0, True
+        self._moved, self._caution, self._refresh, self.refactorings = 0.0, 1.0, True, 0
         return report
 
     def step(self, motion: Motion, incidence: float, dt: float) -> StepReport:
@@ -144,6 +144,7 @@ class Flow(Field):
             "lift": self._lift,
             "moved": self._moved,
             "caution": self._caution,
+            "refactorings": self.refactorings,
             "pressure": self.pressure.copy(),
             "incidence": self.incidence,
             "refresh": self._refresh,
@@ -159,7 +160,7 @@ class Flow(Field):
         self._levels = (first, second, third)
         self._times = tuple(state["times"])
         self._lift, self._moved, self.incidence = state["lift"], state["moved"], state["incidence"]
-        self._caution = state["caution"]
+        self._caution, self.refactorings = state["caution"], state["refactorings"]
         self._refresh, self._age = state["refresh"], state["age"]
         self.pressure[:] = state["pressure"]
         if "recipe" not in state:

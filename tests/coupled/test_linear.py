@@ -6,12 +6,14 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from master import linear
+from master import confirm, flutter, linear
+from master.boundary import BoundaryPoint
 from master.case import Case
 from master.errors import AeroSloshError
 from master.rig import FlutterRig, find_fmus
@@ -116,3 +118,49 @@ def test_an_answer_that_is_no_number_leaves_the_marches(flutter_fmus: Path, tmp_
     code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "linear", "--set", "flow.airfoil=NAN 20")
     assert code == 4
     assert "not a number in step 20" in data["points"][0]["outcome"]
+
+
+def confirmed(
+    fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch, high: float = 3.0
+) -> tuple[BoundaryPoint, list[str]]:
+    """What marches of the Isogai section make of `model`, whatever section it is of."""
+    case, said = Case(), []
+    case.boundary.V_f_range = [0.5, high]
+    monkeypatch.setattr(linear, "identify", lambda *_: model)
+    with FlutterRig(case, find_fmus(fmus), MACH) as rig:
+        strategy = confirm.Confirm(case, lambda mach: rig, said.append, marching=True)
+        return strategy(lambda V_f: flutter.march(rig, V_f), MACH, 1.0, 0.05), said
+
+
+def test_a_prediction_that_is_ten_percent_off_is_put_right(
+    flutter_fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    section = replace(model.case.section, x_alpha=1.75)
+    wrong = replace(model, case=replace(model.case, section=section))
+    point, _ = confirmed(flutter_fmus, wrong, monkeypatch)
+    exact = theory.neutral(model.case, MACH, 1.5, 3.0)
+    [prediction] = point.predictions
+    assert abs(prediction.crossing.V_f / exact - 1.0) > 0.02
+    assert prediction.state == "confirmed" and point.converged
+    assert point.crossings[0].V_f == pytest.approx(exact, rel=3e-3)
+
+
+def test_a_prediction_that_marches_contradict_is_recorded(
+    flutter_fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A model whose aerodynamics are three times too strong foretells an onset far below the true one."""
+    strong = replace(
+        model, aero=replace(model.aero, residues=3.0 * model.aero.residues, feedthrough=3.0 * model.aero.feedthrough)
+    )
+    point, _ = confirmed(flutter_fmus, strong, monkeypatch)
+    assert {p.state for p in point.predictions} == {"contradicted"}
+    assert not point.crossings and not point.converged
+    assert "not confirmed" in point.outcome and "(sweeps of 1°)" in point.outcome
+
+
+def test_no_crossing_foretold_is_checked_by_marches(
+    flutter_fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    point, said = confirmed(flutter_fmus, model, monkeypatch, high=2.0)
+    assert point.converged and not point.crossings and 3 <= len(point.marches) <= 5
+    assert point.outcome.startswith("no crossing: damped") and "no crossing in range; marches at" in said[-1]
