@@ -1,7 +1,7 @@
 """Figure 10: C_L at Mach 0.70, 3 degrees against the number of cells, with order of convergence and grid convergence index.
 
-`python -m paper.fig10 [picture.png]`. The paper's four meshes hold about 2,300, 4,000, 8,100 and 16,000 elements; its C_L values are
-in the figure only, its grid convergence index on 8,100 elements is 0.17 percent (section IV A). Nested meshes stand beside.
+`python -m paper.fig10 [picture.png]`. The paper's four meshes hold about 2,300, 4,000, 8,100 and 16,000 elements; its C_L values
+are in the figure only, its grid convergence index on 8,100 elements is 0.17 percent (section IV A). Nested meshes stand beside.
 Index: Roache, J. Fluids Eng. 116 (1994) 405, doi:10.1115/1.2910291.
 """
 

@@ -12,10 +12,13 @@ Run = Callable[..., dict[str, Any]]
 
 
 @pytest.mark.parametrize(
-    ("mach", "amplitude_deg"), [(0.5, 1.0), (0.75, 1.0), (0.8, 1.0), (0.8, 0.1), (0.825, 1.0), (0.825, 0.1), (0.85, 1.0)]
+    ("mach", "amplitude_deg"),
+    [(0.5, 1.0), (0.75, 1.0), (0.8, 1.0), (0.8, 0.1), (0.8, 0.02), (0.825, 1.0), (0.825, 0.02), (0.85, 1.0)],
 )
 def test_linear_neutral_V_f_is_the_marched_one(aeroslosh: Run, mach: float, amplitude_deg: float) -> None:
-    """Where a shock is weak or absent the amplitude does not matter; from Mach 0.8 on the sweep has the march's."""
+    """Without a shock the amplitude does not matter; with one the sweep has the march's.
+
+    At Mach 0.825 and 0.1 degrees, where the shock moves by about a cell, they differ by 0.6 percent (docs/boundary.md)."""
     settings = ["boundary.tolerance=0.002", f"flutter.forced_amplitude_deg={amplitude_deg}", "boundary.V_f_range=[0.3,2.2]"]
     words = [word for setting in settings for word in ("--set", setting)]
     [point] = aeroslosh("boundary", "--mach", str(mach), "--method", "both", *words)["points"]
