@@ -60,9 +60,9 @@ class Rational:
         return np.sqrt(np.mean((self.predict(record) - record.loads) ** 2, axis=1) / np.mean(record.loads**2, axis=1))
 
     def states(self) -> tuple[np.ndarray, np.ndarray]:
-        """Real matrices (A, C) of one input's memory: x' = A x + 1-vector input, y_j = C[:, :, j] x.
+        """Real matrices (A, C) of the memory: x_j' = A x_j + entry u_j and loads C[:, :, j] x_j for input j.
 
-        A has shape (n, n) and C (2, n, 2); the input enters as column `entry` = first of each block, see `entry`."""
+        A has shape (n, n), C (2, n, 2); `entry` (n,) is the property below."""
         blocks, outputs = [], []
         for p, r in zip(self.poles, self.residues, strict=True):
             if p.imag:
