@@ -125,7 +125,9 @@ class Boundary:
         "auto", "amplitude of the linear model's motions; auto: flutter.forced_amplitude_deg", "deg",
         above=0.0, high=20.0, choices=["auto"],
     )  # fmt: skip
-    uncertainty: bool = key(False, "two more marches a crossing: half the step, half the amplitude, into its error bar")
+    uncertainty: bool = key(
+        False, "three more marches a crossing: half the step, half the amplitude, coarser mesh, into its error bar"
+    )
 
 
 @dataclass

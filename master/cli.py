@@ -132,8 +132,11 @@ def boundary_command(
     rigs: dict[float, FlutterRig] = {}
     begin = clock.perf_counter(), clock.process_time()
 
+    def open_rig(of: Case, mach: float) -> FlutterRig:
+        return FlutterRig(of, fmus, mach, None, lambda text: _say(text, folder, progress))
+
     def marcher_at(mach: float) -> tuple[Marcher, Any]:
-        rig = FlutterRig(case, fmus, mach, None, lambda text: _say(text, folder, progress))
+        rig = open_rig(case, mach)
         rigs[mach] = rig
         hashes.update({c.name: c.sha256 for c in rig.system.components})
 
@@ -157,7 +160,9 @@ def boundary_command(
     b = case.boundary
     strategy = None
     if b.method != "march":
-        strategy = confirm.Confirm(case, rigs.__getitem__, lambda text: _say(text, folder, progress), marching=b.method == "both")
+        strategy = confirm.Confirm(
+            case, rigs.__getitem__, open_rig, lambda text: _say(text, folder, progress), b.method == "both"
+        )
     points = boundary(
         marcher_at,
         b.mach,
@@ -217,7 +222,9 @@ def parser() -> argparse.ArgumentParser:
         else:
             sub.add_argument("--mach", type=float, metavar="M", nargs="+", help="instead of boundary.mach")
             sub.add_argument("--method", metavar="WORD", help="linear, march or both, instead of boundary.method")
-            sub.add_argument("--uncertainty", action="store_true", help="step and amplitude into the error bars (2 more marches)")
+            sub.add_argument(
+                "--uncertainty", action="store_true", help="step, amplitude and mesh into the error bars (3 more marches)"
+            )
         sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f (boundary: where to start)")
         sub.add_argument("--slosh", metavar="MODEL", help="instead of slosh.model")
         sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case")

@@ -25,18 +25,21 @@ from master.search import Crossing, Sample
 from master.wording import plus_minus
 
 SAME_MODE = 0.25  # relative difference of frequency within which two crossings, or a fitted mode and a crossing, are one mode
+COARSER = 2.0 / 3.0  # cells each way of the mesh that tells the mesh's part of the error bar
 REACH = 1.35  # a crossing is looked for within this factor of its predicted V_f
 SHARED = 0.05  # marches of other crossings this near (relative) count
 
 
 @dataclasses.dataclass(frozen=True)
 class Confirm:
-    """What to do at one Mach number (a `boundary.Strategy`): `rig_at(mach)` is the open rig, `say` tells the user.
+    """What to do at one Mach number (a `boundary.Strategy`): `rig_at(mach)` is the open rig, `open_rig` opens one of another case
+    there, `say` tells the user.
 
     Without `marching` the linear model's crossings are the result."""
 
     case: Case
     rig_at: Callable[[float], FlutterRig]
+    open_rig: Callable[[Case, float], FlutterRig]
     say: Callable[[str], None]
     marching: bool
 
@@ -129,9 +132,12 @@ class Confirm:
     def _with_uncertainty(
         self, mach: float, crossing: Crossing, marches: list[March], take: Callable[[March], Sample]
     ) -> Crossing:
-        """`crossing` with what half the step and half the forced amplitude change in it, in its `parts` and its error bar.
+        """`crossing` with what step, forced amplitude and mesh change in it, in its `parts` and its error bar.
 
-        The march nearest to it is repeated; a change δσ of its growth rate moves the crossing by −δσ / slope."""
+        The march nearest to it is repeated with half the step, with half the amplitude, and on a coarser mesh, whose difference
+        is turned into the error of the own mesh by Richardson's rule for second order. A change δσ of the growth rate moves
+        the crossing by −δσ / slope.
+        """
         known = [m for m in marches if take(m).known]
         base = min(known, key=lambda m: abs(m.scales.V_f - crossing.V_f))
         rig, f = self.rig_at(mach), self.case.flutter
@@ -151,7 +157,20 @@ class Confirm:
                 self.say(f"  half the {name} moves V_f by {parts[name]:+.4f}")
             else:
                 self.say(f"  half the {name}: no growth rate, not in the error bar")
+        other = take(self._on_coarser_mesh(mach, base.scales.V_f))
+        if other.known:
+            parts["mesh"] = (other.growth_rate - take(base).growth_rate) / crossing.slope / (COARSER**-2 - 1.0)
+            self.say(f"  the mesh's own error moves V_f by about {parts['mesh']:+.4f}")
+        else:
+            self.say("  coarser mesh: no growth rate, not in the error bar")
         return dataclasses.replace(crossing, parts=parts, uncertainty=math.hypot(*parts.values()))
+
+    def _on_coarser_mesh(self, mach: float, V_f: float) -> March:
+        aero = self.case.aero
+        around, normal = max(64, round(COARSER * aero.cells_around)), max(16, round(COARSER * aero.cells_normal))
+        case = dataclasses.replace(self.case, aero=dataclasses.replace(aero, cells_around=around, cells_normal=normal))
+        with self.open_rig(case, mach) as rig:
+            return flutter.march(rig, V_f)
 
 
 def mode_sample(march: March, frequency: float) -> Sample:

@@ -94,7 +94,7 @@ def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear.Linear
 
 
 def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model: linear.LinearModel) -> None:
-    """Three marches confirm the linear value; half the step and half the amplitude go into the error bar."""
+    """Three marches confirm the linear value; half the step, half the amplitude and a coarser mesh go into the error bar."""
     settings = ("--set", "flutter.steps_per_cycle=300", "--set", "coupling.scheme=implicit")
     code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "both", "--uncertainty", *settings)
     assert code == 0
@@ -103,8 +103,9 @@ def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model
     assert crossing["V_f"] == pytest.approx(theory.neutral(model.case, MACH, 1.5, 3.0), rel=1e-3)
     assert crossing["source"] == "march" and len(point["marches"]) <= 3
     assert foretold["state"] == "confirmed" and foretold["marched_V_f"] == crossing["V_f"]
-    assert set(crossing["uncertainty_parts"]) == {"fit_and_interpolation", "step", "amplitude"}
+    assert set(crossing["uncertainty_parts"]) == {"fit_and_interpolation", "step", "amplitude", "mesh"}
     assert abs(crossing["uncertainty_parts"]["amplitude"]) < 1e-3
+    assert abs(crossing["uncertainty_parts"]["mesh"]) < 1e-9  # the double has none
     assert crossing["V_f_uncertainty"] < 5e-3 * crossing["V_f"]
 
 
@@ -128,7 +129,7 @@ def confirmed(
     case.boundary.V_f_range = [0.5, high]
     monkeypatch.setattr(linear, "identify", lambda *_: model)
     with FlutterRig(case, find_fmus(fmus), MACH) as rig:
-        strategy = confirm.Confirm(case, lambda mach: rig, said.append, marching=True)
+        strategy = confirm.Confirm(case, lambda mach: rig, lambda case, mach: rig, said.append, marching=True)
         return strategy(lambda V_f: flutter.march(rig, V_f), MACH, 1.0, 0.05), said
 
 
