@@ -9,6 +9,7 @@ import pytest
 
 from fmus.aero.control import Settings
 from fmus.aero.field import Motion
+from fmus.aero.loads import pressure_coefficient
 from fmus.aero.march import Flow
 from fmus.aero.mesh import o_mesh
 
@@ -114,3 +115,24 @@ def test_unsteady_loads_do_not_depend_on_the_farfield() -> None:
         print(f"\n{name} at 25 over 100 chords: {abs(ratio) - 1:+.2%}, {np.degrees(np.angle(ratio)):+.2f} degrees", end="")
         assert abs(abs(ratio) - 1) < 0.003
         assert abs(np.degrees(np.angle(ratio))) < 0.3
+
+
+def test_surface_pressure_follows_su2() -> None:
+    """Mach 0.796, no incidence: the curve away from the shock, and where the shock stands. SU2 smears it over 6 percent."""
+    flow = steady("64A010", (168, 48), 0.796, 0.0)
+    middle = 0.5 * (flow.mesh.node[0, 1:] + flow.mesh.node[0, :-1])[:, 0]
+    x, cp = middle[:84][::-1], pressure_coefficient(flow.pressure, 0.796)[:84][::-1]
+    rows = [line.split(",") for line in (DATA / "su2_cp.csv").read_text().splitlines() if line.startswith("upper")]
+    su2_x, su2_cp = np.array([[float(row[1]), float(row[3])] for row in rows]).T
+
+    def shock(at: np.ndarray, values: np.ndarray) -> float:
+        """Where C_p rises through −0.5 behind 45 percent chord."""
+        behind = at > 0.45
+        return float(np.interp(-0.5, values[behind][:8], at[behind][:8]))
+
+    away = (su2_x > 0.03) & (su2_x < 0.97) & (np.abs(su2_x - 0.5) > 0.06)
+    rms = float(np.sqrt(np.mean((np.interp(su2_x[away], x, cp) - su2_cp[away]) ** 2)))
+    places = shock(x, cp), shock(su2_x, su2_cp)
+    print(f"\nrms of C_p away from the shock {rms:.4f}; shock at x/c {places[0]:.3f}, SU2 {places[1]:.3f}")
+    assert rms < 0.012
+    assert abs(places[0] - places[1]) < 0.015
