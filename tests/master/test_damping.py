@@ -110,6 +110,16 @@ def test_limit_cycle_is_named() -> None:
     assert fit.growth_rate_uncertainty > 1e-3
 
 
+def test_limit_cycle_reached_long_ago_is_no_neutral_response() -> None:
+    """Forty cycles of which the first five grow: the fit sees the cycle alone, the amplitude tells."""
+    t = tau(40)
+    y = limited(t, 0.2)
+    verdict, reason = judge(t, y, analyse(t, y), 5e-4)
+    assert verdict is Verdict.LIMIT_CYCLE, reason
+    steady = limited(t + 200.0, 0.2)
+    assert judge(t, steady, analyse(t, steady), 5e-4)[0] is Verdict.NEUTRAL
+
+
 @pytest.mark.parametrize(
     ("sigma", "verdict"),
     [(-0.01, Verdict.DAMPED), (0.0002, Verdict.NEUTRAL), (0.01, Verdict.FLUTTER), (0.08, Verdict.FLUTTER)],
