@@ -166,50 +166,34 @@ def _reconstruct_j(s: Any) -> None:
 
 
 @inline
-def _flux_j(ring: Any, ni: int, row: int, i0: int, motion: Any, s: Any, left: int, right: int) -> None:
-    """Roe flux times length through TILE faces of a ring, from the states in slots left and right, into FJ."""
+def _flux(faces: Any, ni: int, row: int, i0: int, motion: Any, s: Any, left: int, right: int, out: int) -> None:
+    """Roe flux times length through TILE faces of a row, from the states at slots left and right, into slot out."""
     base = row * 4 * ni + i0
-    nx = ring[base : base + TILE]
-    ny = ring[base + ni : base + ni + TILE]
-    length = ring[base + 2 * ni : base + 2 * ni + TILE]
-    arm = ring[base + 3 * ni : base + 3 * ni + TILE]
+    nx = faces[base : base + TILE]
+    ny = faces[base + ni : base + ni + TILE]
+    length = faces[base + 2 * ni : base + 2 * ni + TILE]
+    arm = faces[base + 3 * ni : base + 3 * ni + TILE]
     vx, vy, rate = motion[0], motion[1], motion[2]
     for k in range(TILE):
         a, b, c, d = roe(
             nx[k], ny[k], vx * nx[k] + vy * ny[k] - rate * arm[k],
-            s[left + 2 + k], s[left + _W + 2 + k], s[left + 2 * _W + 2 + k], s[left + 3 * _W + 2 + k],
-            s[right + 2 + k], s[right + _W + 2 + k], s[right + 2 * _W + 2 + k], s[right + 3 * _W + 2 + k],
+            s[left + k], s[left + _W + k], s[left + 2 * _W + k], s[left + 3 * _W + k],
+            s[right + k], s[right + _W + k], s[right + 2 * _W + k], s[right + 3 * _W + k],
         )  # fmt: skip
-        s[_FJ + k] = a * length[k]
-        s[_FJ + _W + k] = b * length[k]
-        s[_FJ + 2 * _W + k] = c * length[k]
-        s[_FJ + 3 * _W + k] = d * length[k]
+        s[out + k] = a * length[k]
+        s[out + _W + k] = b * length[k]
+        s[out + 2 * _W + k] = c * length[k]
+        s[out + 3 * _W + k] = d * length[k]
 
 
 @inline
-def _flux_i(side: Any, ni: int, row: int, i0: int, motion: Any, s: Any) -> None:
-    """Roe flux times length through the TILE + 1 faces between cells of a row, into FI."""
-    base = row * 4 * ni + i0
-    nx = side[base : base + TILE]
-    ny = side[base + ni : base + ni + TILE]
-    length = side[base + 2 * ni : base + 2 * ni + TILE]
-    arm = side[base + 3 * ni : base + 3 * ni + TILE]
-    vx, vy, rate = motion[0], motion[1], motion[2]
-    for k in range(TILE):
-        a, b, c, d = roe(
-            nx[k], ny[k], vx * nx[k] + vy * ny[k] - rate * arm[k],
-            s[_RIGHT + 1 + k], s[_RIGHT + _W + 1 + k], s[_RIGHT + 2 * _W + 1 + k], s[_RIGHT + 3 * _W + 1 + k],
-            s[_LEFT + 2 + k], s[_LEFT + _W + 2 + k], s[_LEFT + 2 * _W + 2 + k], s[_LEFT + 3 * _W + 2 + k],
-        )  # fmt: skip
-        s[_FI + k] = a * length[k]
-        s[_FI + _W + k] = b * length[k]
-        s[_FI + 2 * _W + k] = c * length[k]
-        s[_FI + 3 * _W + k] = d * length[k]
+def _last_flux_i(side: Any, ni: int, row: int, i0: int, motion: Any, s: Any) -> None:
+    """The flux behind the tile's last cell, through the first face of the next tile, into FI."""
     i = row * 4 * ni + (i0 + TILE) % ni
     k = TILE
     x, y, size = side[i], side[i + ni], side[i + 2 * ni]
     a, b, c, d = roe(
-        x, y, vx * x + vy * y - rate * side[i + 3 * ni],
+        x, y, motion[0] * x + motion[1] * y - motion[2] * side[i + 3 * ni],
         s[_RIGHT + 1 + k], s[_RIGHT + _W + 1 + k], s[_RIGHT + 2 * _W + 1 + k], s[_RIGHT + 3 * _W + 1 + k],
         s[_LEFT + 2 + k], s[_LEFT + _W + 2 + k], s[_LEFT + 2 * _W + 2 + k], s[_LEFT + 3 * _W + 2 + k],
     )  # fmt: skip
@@ -258,9 +242,10 @@ def residual(
                         s[_NEXT + m * _W + 2 + k] = far[m * ni + i0 + k]
             _reconstruct_i(s)
             _reconstruct_j(s)
-            _flux_i(side, ni, j, i0, motion, s)
+            _flux(side, ni, j, i0, motion, s, _RIGHT + 1, _LEFT + 2, _FI)
+            _last_flux_i(side, ni, j, i0, motion, s)
             if j > 0:
-                _flux_j(ring, ni, j, i0, motion, s, _TOPB, _BOTTOM)
+                _flux(ring, ni, j, i0, motion, s, _TOPB + 2, _BOTTOM + 2, _FJ)
                 for m in range(4):
                     row = out[((j - 1) * 4 + m) * ni + i0 : ((j - 1) * 4 + m) * ni + i0 + TILE]
                     for k in range(TILE):
@@ -274,7 +259,7 @@ def residual(
                 s[_PREV + k] = s[_CUR + k]
             for k in range(4 * _W):
                 s[_CUR + k] = s[_NEXT + k]
-        _flux_j(ring, ni, nj, i0, motion, s, _TOPB, _CUR)
+        _flux(ring, ni, nj, i0, motion, s, _TOPB + 2, _CUR + 2, _FJ)
         for m in range(4):
             row = out[((nj - 1) * 4 + m) * ni + i0 : ((nj - 1) * 4 + m) * ni + i0 + TILE]
             for k in range(TILE):
