@@ -23,8 +23,8 @@ _SERIES = 400
 class Modes:
     """Modal parameters of a tank.
 
-    omega [rad/s], mass [kg], height [m] and elevation (that of the wall at x' = +length/2 per displacement of the modal mass), each
-    of shape (modes,); fixed_mass [kg], fixed_height [m], fixed_inertia [kg m2] of the part that does not slosh;
+    omega [rad/s], mass [kg], height [m] and elevation (of the surface at x' = +length/2 per displacement of the modal mass) have
+    shape (modes,); fixed_mass [kg], fixed_height [m], fixed_inertia [kg m2] of the part that does not slosh;
     lid_inertia [kg m2]: of the liquid under a rigid lid, about its centre of mass.
     """
 
