@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import confirm, flutter, outcome
+from master import confirm, drive, flutter, outcome
 from master.boundary import BoundaryPoint, Marcher, boundary
 from master.case import Case
+from master.component import Component
 from master.errors import AeroSloshError, ComponentError, ExitCode
 from master.progress import Progress
 from master.record import RunFolder, provenance, write_history
@@ -68,6 +69,8 @@ def show(error: AeroSloshError) -> None:
 def run(arguments: Sequence[str] | None = None) -> int:
     """Parse, run, report; returns the exit code."""
     options = parser().parse_args(arguments)
+    if options.command == "drive":
+        return drive_command(options)
     case = cases.load(options.case, options.set)
     if options.slosh is not None:
         cases.apply_override(case, f"slosh.model={options.slosh}")
@@ -79,6 +82,33 @@ def run(arguments: Sequence[str] | None = None) -> int:
     target = options.out or Path("runs") / f"{case.name}_{options.command}"
     with RunFolder(target) as folder:
         return command(case, fmus, options, folder, progress)
+
+
+def drive_command(options: argparse.Namespace) -> int:
+    """One FMU alone, driven by a table; CSV and picture of what comes out."""
+    table = drive.read(options.input)
+    if options.step is not None:
+        if not options.step > 0.0:
+            raise AeroSloshError(f"--step {options.step:g}", "command line", "a step above 0 [s]")
+        table = table.resampled(options.step)
+    if not options.fmu.is_file():
+        raise AeroSloshError("There is no such FMU", str(options.fmu), "build the FMUs with `make fmus`")
+    component = Component(options.fmu, options.fmu.stem)
+    drive.set_parameters(component, options.set)
+    columns = drive.run(component, table)
+    target = options.out or options.input.with_name(f"{options.input.stem}_{options.fmu.stem}.csv")
+    drive.write(target, columns)
+    files = [str(target)]
+    if not options.no_pictures:
+        picture = target.with_suffix(".png")
+        drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
+        files.append(str(picture))
+    steps = table.times.size - 1
+    if options.json:
+        print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files}))
+    else:
+        print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
+    return ExitCode.OK
 
 
 def point(case: Case, fmus: dict[str, Path], options: argparse.Namespace, folder: RunFolder, progress: Progress) -> int:
@@ -210,7 +240,7 @@ def parser() -> argparse.ArgumentParser:
         description="Aeroelastic flutter by co-simulation of FMUs.",
         epilog="exit codes: 0 ok, 2 bad input, 3 a component failed, 4 no verdict or tolerance not met",
     )
-    commands = top.add_subparsers(dest="command", required=True, metavar="point | boundary")
+    commands = top.add_subparsers(dest="command", required=True, metavar="point | boundary | drive")
     for name, text in (
         ("point", "march one Mach number and V_f: does it flutter?"),
         ("boundary", "find the neutral V_f of the case's Mach numbers"),
@@ -233,6 +263,15 @@ def parser() -> argparse.ArgumentParser:
         sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
         sub.add_argument("--quiet", action="store_true", help="no progress")
         sub.add_argument("--no-pictures", action="store_true", help="no pictures and no flow fields")
+    text = "drive one FMU alone with a table of its inputs"
+    alone = commands.add_parser("drive", help=text, description=text)
+    alone.add_argument("fmu", type=Path, metavar="FMU", help="e.g. dist/fmus/aero.fmu")
+    alone.add_argument("--input", type=Path, required=True, metavar="CSV", help="column time [s], and inputs of the FMU by name")
+    alone.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the FMU")
+    alone.add_argument("--step", type=float, metavar="S", help="communication step [s] (default: the table's rows)")
+    alone.add_argument("--out", type=Path, metavar="CSV", help="outputs (default <input>_<fmu>.csv, picture beside it)")
+    alone.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
+    alone.add_argument("--no-pictures", action="store_true", help="no picture")
     return top
 
 
