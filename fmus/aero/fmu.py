@@ -16,6 +16,9 @@ from .freestream import Freestream, between
 from .march import Flow
 from .mesh import o_mesh
 
+SOUND_STEP = 0.8
+"""Longest internal step in chords that sound travels."""
+
 
 class Aero(Slave):
     """Two-dimensional Euler flow around a rigidly moving airfoil (arbitrary Lagrangian-Eulerian), transonic."""
@@ -72,10 +75,14 @@ class Aero(Slave):
         self._publish(self.steady_report)
 
     def step(self, time: float, step_size: float) -> None:
-        """March to the motion at the end of the step, in internal steps of at most max_step chords of travel."""
+        """March to the motion at the end of the step, in internal steps of at most max_step chords of travel.
+
+        At low speed the way of sound counts: the subiterations stall on longer steps.
+        """
         start, end = self.motion, self._motion()
         stream = self.stream
-        parts = max(1, math.ceil(step_size * stream.speed / (self.max_step * self.chord) - 1e-9))
+        travel = max(step_size * stream.speed / self.max_step, step_size * stream.sound_speed / SOUND_STEP) / self.chord
+        parts = max(1, math.ceil(travel - 1e-9))
         dt = stream.scaled_time(step_size / parts)
         for part in range(1, parts + 1):
             motion = end if part == parts else between(start, end, step_size, part / parts)

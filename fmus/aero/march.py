@@ -30,7 +30,7 @@ PREDICTED = 0.1
 NEAR_SHARE = 0.4
 """Part of the quadratic prediction that cells near the trailing edge take."""
 CAUTION = 0.25
-"""Least factor on the pseudo-time step after steps that did not converge."""
+"""Least factor on the pseudo-time step, and on the bend of the prediction, after steps that did not converge."""
 MEMORY = 0.95
 """What is left, a step later, of the density change of a step as the measure of the tolerance."""
 STALE = 0.05
@@ -88,7 +88,7 @@ class Flow(Field):
         stale = self._refresh or factors is None or abs(weights[0] / factors.recipe.weight - 1) > STALE
         for retry, share in enumerate(RETRIES):
             if retry == 0:
-                predict(*self._levels, *guess, self._share, PREDICTED, c, s, self.q)
+                predict(*self._levels, *guess, self._caution * self._share, PREDICTED, c, s, self.q)
             else:
                 turn(self._levels[0], self.q, c, s)
             if factors is None or stale or retry:

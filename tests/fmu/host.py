@@ -333,6 +333,19 @@ def aero_fields(path: str, folder: str) -> Any:
     return {"files": sorted(os.listdir(folder)), "status": homeless.step(0.0, 1e-3), "error": homeless["error"]}
 
 
+def slow_stream(path: str) -> Any:
+    """Steps at Mach 0.1 in which sound travels two chords."""
+    flow = Instance(path).start(mach=0.1, **COARSE)
+    step_size = 2.0 / 340.3
+    rows = []
+    for i in range(8):
+        angle = 2e-3 * (i + 1) ** 2
+        flow["alpha"], flow["alpha_dot"] = angle, 4e-3 * (i + 1) / step_size
+        status = flow.step(i * step_size, step_size)
+        rows.append([status, flow["converged"], flow["C_L"] / angle])
+    return rows
+
+
 def aero_many(path: str, count: int) -> Any:
     """Instantiate and free many times, with a flow in the first and the last."""
     folder = None
