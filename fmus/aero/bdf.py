@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import jit
+from ..kit.compiled import jit
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .compiled import inline, jit
+from ..kit.compiled import inline, jit
 
 LANES = 16
 MATRIX = 16 * LANES

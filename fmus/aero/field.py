@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import jit
+from ..kit.compiled import jit
 from .farfield import Farfield
 from .flux import GAMMA, residual
 from .implicit import Blocks, Factors, Recipe

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from .compiled import inline, jit
+from ..kit.compiled import inline, jit
 
 GAMMA = 1.4
 

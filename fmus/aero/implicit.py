@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import inline, jit
+from ..kit.compiled import inline, jit
 from .factorise import LANES, MATRIX, factorise_across, factorise_around
 from .jacobian import assemble
 from .mesh import Mesh

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .compiled import inline, jit
+from ..kit.compiled import inline, jit
 from .flux import GAMMA
 
 

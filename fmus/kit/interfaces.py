@@ -65,6 +65,20 @@ SLOSH_CONSTANT = {
     ),
     "liquid_stiffness": ("N/rad", "PitchStiffnessPerLength", "Pitch stiffness of the frozen liquid's weight"),
 }
+# name: (start, unit, quantity, text, least, most)
+TANK: dict[str, tuple[float, str, str, str, float | None, float | None]] = {
+    "tank_length": (0.5, "m", "Length", "Length of the tank along the chord", 1e-6, None),
+    "tank_height": (0.15, "m", "Length", "Height of the tank", 1e-6, None),
+    "tank_width": (1.0, "m", "Length", "Width of the tank along the span; 1 = loads per metre of span", 1e-6, None),
+    "fill_level": (0.5, "1", "", "Depth of the liquid over the height of the tank", 1e-6, 1.0),
+    "tank_x": (0.0, "m", "Length", "Centre of the tank aft of the elastic axis", None, None),
+    "tank_y": (0.0, "m", "Length", "Centre of the tank above the elastic axis", None, None),
+    "liquid_density": (1000.0, "kg/m3", "Density", "Density of the liquid", 1e-9, None),
+    "gas_density": (1.2, "kg/m3", "Density", "Density of the gas above it", 0.0, None),
+    "liquid_viscosity": (1e-6, "m2/s", "KinematicViscosity", "Kinematic viscosity of the liquid", 0.0, None),
+    "gas_viscosity": (1.48e-5, "m2/s", "KinematicViscosity", "Kinematic viscosity of the gas", 0.0, None),
+    "gravity": (9.81, "m/s2", "Acceleration", "Gravity", 1e-9, None),
+}
 WING_LOADS = {
     "lift": AERO["lift"],
     "moment": AERO["moment"],
@@ -82,6 +96,14 @@ def motion_inputs() -> tuple[Variable, ...]:
 def surge_inputs() -> tuple[Variable, ...]:
     """Return surge x, x_dot, x_ddot as inputs (slosh)."""
     return _inputs(SURGE)
+
+
+def tank_parameters() -> tuple[Variable, ...]:
+    """Return tank_length … gravity as parameters (slosh)."""
+    return tuple(
+        parameter(name, start, unit, text, quantity=quantity, min=least, max=most)
+        for name, (start, unit, quantity, text, least, most) in TANK.items()
+    )
 
 
 def wing_load_inputs() -> tuple[Variable, ...]:

@@ -1,7 +1,8 @@
 """Linear slosh of a rectangular tank: modal masses, frequencies and heights, fixed mass and inertia.
 
 Graham and Rodriguez, J. Appl. Mech. 19 (1952) 381; NASA SP-106 (1966), chapter 6; Ibrahim, Liquid Sloshing Dynamics (2005). Only
-antisymmetric modes are excited at first order; heights are measured up from the liquid's centre of mass.
+antisymmetric modes are excited at first order; heights are measured up from the liquid's centre of mass. A full tank has no surface
+and so no modes: its liquid moves as in a closed box.
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ class Modes:
     omega [rad/s], mass [kg], height [m] and elevation (of the surface at x' = +length/2 per displacement of the modal mass) have
     shape (modes,); fixed_mass [kg], fixed_height [m], fixed_inertia [kg m2] of the part that does not slosh;
     lid_inertia [kg m2]: of the liquid under a rigid lid, about its centre of mass.
+
+    What the modes left out still do: rest_mass [kg] at rest_height [m] hangs in the tank without following it sideways (limit
+    "high"; 0 for "low"); their surface stays level, which shifts weight by rest_tilt [kg m] and raises the surface at
+    x' = +length/2 by rest_elevation [m], both per radian of tilt.
     """
 
     omega: Array
@@ -36,6 +41,10 @@ class Modes:
     fixed_height: float
     fixed_inertia: float
     lid_inertia: float
+    rest_mass: float
+    rest_height: float
+    rest_tilt: float
+    rest_elevation: float
 
     @property
     def stiffness(self) -> Array:
@@ -58,9 +67,22 @@ def modes(tank: Tank, count: int, limit: str = "low") -> Modes:
     fixed_height = -float(np.sum(rest[1] * rest[2])) / fixed_mass
     lid = lid_inertia(tank)
     fixed_inertia = lid - fixed_mass * fixed_height**2 - float(np.sum(rest[1] * rest[2] ** 2))
+    rest_mass = float(np.sum(rest[1][count:]))
+    rest_height = float(np.sum((rest[1] * rest[2])[count:])) / rest_mass if rest_mass > 0.0 else 0.0
     q = 2 * np.arange(1, count + 1) - 1
-    elevation = 4 * np.tanh(q * np.pi * tank.depth / tank.length) / (q * np.pi)
-    return Modes(omega, mass, height, elevation, fixed_mass, fixed_height, fixed_inertia, lid)
+    elevation = _surface(tank) * 4 * np.tanh(q * np.pi * tank.depth / tank.length) / (q * np.pi)
+    # of all modes together: the level surface of a tilted tank
+    tilt = _surface(tank) * tank.mass * tank.length**2 / (12 * tank.depth)
+    rise = _surface(tank) * tank.length / 2
+    rest_tilt = tilt - float(np.sum(mass / omega**2)) * tank.gravity
+    rest_elevation = rise - float(np.sum(elevation / omega**2)) * tank.gravity
+    return Modes(omega, mass, height, elevation, fixed_mass, fixed_height, fixed_inertia, lid,
+                 rest_mass, rest_height, rest_tilt, rest_elevation)  # fmt: skip
+
+
+def _surface(tank: Tank) -> float:
+    """1, or 0 where the tank is full."""
+    return float(tank.fill_level < 1.0)
 
 
 def _oscillators(tank: Tank, count: int) -> tuple[Array, Array, Array]:
@@ -68,7 +90,7 @@ def _oscillators(tank: Tank, count: int) -> tuple[Array, Array, Array]:
     wave = q * np.pi / tank.length
     depth = wave * tank.depth
     omega = np.sqrt(tank.gravity * wave * np.tanh(depth))
-    mass = tank.mass * 8 * np.tanh(depth) / (np.pi**3 * q**3 * tank.depth / tank.length)
+    mass = _surface(tank) * tank.mass * 8 * np.tanh(depth) / (np.pi**3 * q**3.0 * tank.depth / tank.length)
     height = tank.depth * (0.5 - np.tanh(0.5 * depth) / (0.5 * depth))
     return omega, mass, height
 
@@ -82,12 +104,19 @@ def lid_inertia(tank: Tank) -> float:
     return frozen * (1 - 4 / (1 + r**2) + 768 / np.pi**5 / (r * (1 + r**2)) * series)
 
 
-def stokes_damping(tank: Tank, omega: Array, viscosity: float) -> Array:
+def wave_frequencies(tank: Tank, halves: Array) -> Array:
+    """Frequencies [rad/s] of standing waves with `halves` half waves in the tank's length (odd: antisymmetric), shape of halves."""
+    wave = halves * np.pi / tank.length
+    return np.sqrt(tank.gravity * wave * np.tanh(wave * tank.depth))
+
+
+def stokes_damping(tank: Tank, omega: Array, viscosity: float, halves: Array | None = None) -> Array:
     """Damping ratios, shape like omega [rad/s], of modes from laminar wall layers and the bulk, two-dimensional.
 
-    viscosity: kinematic [m2/s]. Derived from the boundary-layer dissipation of the potential mode.
+    viscosity: kinematic [m2/s]; halves: half waves in the tank's length, 1, 3, 5 … unless given. Derived from the boundary-layer
+    dissipation of the potential mode: right where the layers are thin, damping ratios well below 1.
     """
-    q = 2 * np.arange(1, len(omega) + 1) - 1
+    q = 2 * np.arange(1, len(omega) + 1) - 1 if halves is None else halves
     wave = q * np.pi / tank.length
     twice = 2 * wave * tank.depth
     # sinh overflows for short waves, where both terms vanish

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..kit.cache import jit as _jit
+from .cache import jit as _jit
 
 # without "nnan" and "ninf": a blown-up flow must show as one
 _FAST = {"nsz", "arcp", "contract", "reassoc"}

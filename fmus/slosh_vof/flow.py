@@ -1,0 +1,237 @@
+"""Two-phase flow in one moving tank: start, advance, loads, state. Metres, seconds, radians, newtons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..tank.motion import SectionMotion, course
+from . import loads as wall
+from . import step
+from .grid import Grid
+from .multigrid import plan
+from .plic import fill_ghosts, reconstruct
+from .surface import flat, from_heights
+
+Array = NDArray[np.float64]
+
+
+class FlowError(RuntimeError):
+    """The flow could not be advanced; the text says where, why and the remedy."""
+
+
+@dataclass(frozen=True)
+class Fluids:
+    """Densities [kg/m3], kinematic viscosities [m2/s], surface tension [N/m]; the liquid's density is the tank's."""
+
+    gas_density: float = 1.2
+    liquid_viscosity: float = 1e-6
+    gas_viscosity: float = 1.48e-5
+    surface_tension: float = 0.0
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """cfl: largest Courant number of a step (at most 1/2); tolerance: largest divergence left, times the step; max_step [s]."""
+
+    cfl: float = 0.5
+    tolerance: float = 1e-6
+    max_step: float = 2e-3
+    max_iterations: int = 200
+    wall_slip: bool = False
+
+
+class Loads(NamedTuple):
+    """Whole loads on the tank, weight included, for its width: inertial axes, tank axes [N], per wall; moment about EA [N m]."""
+
+    force_x: float
+    force_y: float
+    moment: float
+    force_x_tank: float
+    force_y_tank: float
+    force_west: float
+    force_east: float
+
+
+class StepReport(NamedTuple):
+    """What a communication step took: time steps, their last length [s], pressure iterations, whether all converged, residual."""
+
+    steps: int
+    step_size: float
+    iterations: int
+    converged: bool
+    residual: float
+
+
+class Flow:
+    """Volume fractions, velocities and pressure of a tank that moves with a wing section."""
+
+    def __init__(self, grid: Grid, fluids: Fluids = Fluids(), numerics: Numerics = Numerics()) -> None:
+        tank = grid.tank
+        self.grid, self.fluids, self.numerics = grid, fluids, numerics
+        longest = _longest_step(grid, fluids, numerics)
+        self.numbers = step.Numbers(
+            grid.nx, grid.ny, grid.dx, grid.dy, tank.density, fluids.gas_density, fluids.liquid_viscosity, fluids.gas_viscosity,
+            fluids.surface_tension, tank.gravity, numerics.cfl, numerics.tolerance, longest, numerics.max_iterations,
+            numerics.wall_slip)  # fmt: skip
+        levels, length = plan(grid.nx, grid.ny, grid.dx, grid.dy)
+        self.places = step.Places(grid.x, grid.y, grid.open_x, grid.open_y, levels)
+        self.plates = np.array(grid.plates, dtype=np.int64).reshape(-1, 3)
+        self.state = np.zeros((step.STATE_ROWS, grid.size))
+        self.work = np.zeros((step.WORK_ROWS, grid.size))
+        self.coarse = np.zeros((7, length), dtype=np.float32)
+        self.cells = np.zeros(grid.nx * grid.ny, dtype=np.int64)
+        self.lines = np.zeros((grid.nx * grid.ny, 3))
+        self.kappa = np.zeros(grid.nx * grid.ny)
+        self.notes = np.zeros(step.NOTES)
+        self.frame = np.zeros(5)
+        self.shared = False
+
+    def start(self, motion: SectionMotion, wave: float = 0.0) -> StepReport:
+        """Liquid at rest in the tank's frame, its surface level in inertial axes, plus the first standing wave.
+
+        wave [m]: its amplitude, crest at the west wall. Accelerations of `motion` act at once, rates do not move the liquid
+        relative to the tank.
+        """
+        grid = self.grid
+        if wave:
+            fractions = from_heights(grid, lambda x: wave * np.cos(np.pi * x / grid.tank.length), motion.alpha)
+        else:
+            fractions = flat(grid, motion.alpha)
+        return self.start_from(fractions, motion)
+
+    def start_from(self, fractions: Array, motion: SectionMotion) -> StepReport:
+        """Start at rest from volume fractions, shape (ny, nx)."""
+        n, work = self.numbers, self.work
+        self.state = np.zeros_like(self.state)
+        self.work[:] = 0.0
+        self.shared = False
+        c = self.state[step.C]
+        self.grid.inner(c)[:] = fractions
+        fill_ghosts(c, n.nx, n.ny)
+        count = reconstruct(c, n.nx, n.ny, self.cells, self.lines)
+        work[step.OLD_RHO] = n.gas_density + (n.liquid_density - n.gas_density) * c
+        step.frame_force(course(motion, motion, 1.0), 1.0, n.gravity, self.frame)
+        iterations, residual = step.accelerate(
+            self.state, work, self.coarse, self.cells, self.lines, self.kappa, count, self.frame, self.places, n, n.max_step,
+            min(1e-3 * n.tolerance, 1e-9))  # fmt: skip
+        for row, face, width in ((step.AX, step.KX, n.dy), (step.AY, step.KY, n.dx)):
+            ahead = 1 if row == step.AX else self.grid.stride
+            slope = np.zeros_like(c)
+            slope[:-ahead] = np.diff(self.state[step.Q].reshape(1, -1), axis=1)[0] if ahead == 1 else (
+                self.state[step.Q][ahead:] - self.state[step.Q][:-ahead])  # fmt: skip
+            self.state[row] -= work[face] * slope / width
+        self.state[step.Q_BEFORE] = self.state[step.Q]
+        self.notes[:] = 0.0
+        self.notes[step.MIXED_CELLS] = count
+        return StepReport(0, 0.0, iterations, True, residual)
+
+    def advance(self, start: SectionMotion, end: SectionMotion, duration: float) -> StepReport:
+        """March from one motion to another over `duration` [s]. Raises FlowError where the flow cannot be advanced."""
+        if self.shared:  # a snapshot holds these arrays
+            self.state, self.shared = self.state.copy(), False
+        table = course(start, end, duration)
+        with np.errstate(all="ignore"):
+            outcome = step.advance(self.state, self.work, self.coarse, self.cells, self.lines, self.kappa, self.notes, table, duration,
+                                   self.places, self.numbers)  # fmt: skip
+        step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
+        notes = self.notes
+        if outcome != step.OK:
+            raise FlowError(_WORDS[outcome].format(step=notes[step.TIME_STEP], steps=int(notes[step.STEPS])))
+        return StepReport(
+            int(notes[step.STEPS]),
+            float(notes[step.TIME_STEP]),
+            int(notes[step.ITERATIONS]),
+            notes[step.UNCONVERGED] == 0.0,
+            float(notes[step.RESIDUAL]),
+        )
+
+    def loads(self, motion: SectionMotion) -> Loads:
+        """Loads at the present time; motion: that at the end of the last step."""
+        out = np.zeros(wall.ROWS)
+        wall.wall_loads(self.state, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
+                        self.numbers, out)  # fmt: skip
+        out *= self.grid.tank.width
+        along, up = float(out[wall.FORCE_X]), float(out[wall.FORCE_Y])
+        sin, cos = np.sin(motion.alpha), np.cos(motion.alpha)
+        return Loads(
+            float(along * cos + up * sin), float(up * cos - along * sin), float(out[wall.MOMENT]), along, up,
+            float(out[wall.WEST]), float(out[wall.EAST]))  # fmt: skip
+
+    @property
+    def fractions(self) -> Array:
+        """Volume fraction of liquid, shape (ny, nx), rows from the floor up."""
+        return self.grid.inner(self.state[step.C])
+
+    @property
+    def pressure(self) -> Array:
+        """Pressure [Pa] of the cells above that in the middle of the roof, shape (ny, nx)."""
+        out = np.zeros(wall.ROWS)
+        wall.wall_loads(self.state, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
+                        self.numbers, out)  # fmt: skip
+        return self.numbers.liquid_density * self.grid.inner(self.state[step.Q]) - out[wall.DATUM]
+
+    @property
+    def velocity(self) -> tuple[Array, Array]:
+        """Velocities relative to the tank in its axes [m/s] at cell centres, shapes (ny, nx)."""
+        s, (u, v) = self.grid.stride, self.state[[step.U, step.V]]
+        u, v = 0.5 * (u + np.roll(u, 1)), 0.5 * (v + np.roll(v, s))
+        return self.grid.inner(u), self.grid.inner(v)
+
+    @property
+    def volume(self) -> float:
+        """Liquid volume [m3]."""
+        return float(np.sum(self.fractions)) * self.grid.dx * self.grid.dy * self.grid.tank.width
+
+    @property
+    def wave_heights(self) -> tuple[float, float]:
+        """Rise of the liquid column at the west and the east wall above the still level [m]."""
+        columns = self.fractions[:, [0, -1]].sum(axis=0) * self.grid.dy - self.grid.tank.depth
+        return float(columns[0]), float(columns[1])
+
+    def save(self) -> dict[str, Any]:
+        """All the next step reads, by reference: the arrays are not modified after."""
+        self.shared = True
+        self.notes = self.notes.copy()
+        return {
+            "state": self.state,
+            "density": self.work[step.RHO].copy(),
+            "shear": self.work[step.TAU].copy(),
+            "notes": self.notes.copy(),
+            "frame": self.frame.copy(),
+        }
+
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        """Take back what `save` returned."""
+        self.state, self.shared = snapshot["state"], True
+        self.work[step.RHO] = snapshot["density"]
+        self.work[step.OLD_RHO] = snapshot["density"]
+        self.work[step.TAU] = snapshot["shear"]
+        self.notes = snapshot["notes"].copy()
+        self.frame = snapshot["frame"].copy()
+        reconstruct(self.state[step.C], self.numbers.nx, self.numbers.ny, self.cells, self.lines)
+
+
+_WORDS = {
+    step.NOT_FINITE: "the flow is no longer finite after {steps} time steps of this communication step. Remedy: look at the motion "
+    "for values no tank would survive; a smaller cfl helps with violent impacts",
+    step.TOO_SMALL: "the time step fell below 1e-9 s after {steps} time steps (last {step:.1e} s). Remedy: look at the motion for "
+    "values no tank would survive, or use fewer cells",
+    step.TOO_MANY: "more than 2 million time steps in one communication step. Remedy: shorter communication steps",
+}
+
+
+def _longest_step(grid: Grid, fluids: Fluids, numerics: Numerics) -> float:
+    """Limit of explicit viscosity, capillary waves and gravity waves on the grid [s]."""
+    cell = min(grid.dx, grid.dy)
+    limits = [numerics.max_step, 0.5 * (cell / grid.tank.gravity) ** 0.5]
+    viscosity = max(fluids.liquid_viscosity, fluids.gas_viscosity)
+    if viscosity > 0.0:
+        limits.append(0.2 * cell**2 / viscosity)
+    if fluids.surface_tension > 0.0:
+        # Brackbill, Kothe and Zemach, J. Comput. Phys. 100 (1992) 335
+        limits.append(0.5 * ((grid.tank.density + fluids.gas_density) * cell**3 / (4 * np.pi * fluids.surface_tension)) ** 0.5)
+    return float(min(limits))

@@ -1,0 +1,100 @@
+"""The staggered grid of a tank: sizes, where things lie in the flat arrays, which faces are open, coordinates.
+
+All fields share one layout: flat float64, stride s = nx + 2, cell (i, j) at (j + 2)·s + i + 1, so that one ghost column lies between
+rows and two ghost rows at each end. u at index k is on the east face of cell k, v on its north face.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..tank.liquid import Tank
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Baffles:
+    """Thin vertical plates at equal distances across the tank, from `bottom` to `top` (shares of the tank's height)."""
+
+    count: int = 0
+    bottom: float = 0.0
+    top: float = 0.5
+
+
+@dataclass(frozen=True)
+class Grid:
+    """nx by ny equal cells in a tank; coordinates [m] in wing axes from the elastic axis."""
+
+    tank: Tank
+    nx: int
+    ny: int
+    baffles: Baffles = Baffles()
+
+    @property
+    def stride(self) -> int:
+        """Distance of cells above each other in a flat array."""
+        return self.nx + 2
+
+    @property
+    def size(self) -> int:
+        """Length of a flat array."""
+        return (self.ny + 4) * self.stride
+
+    @property
+    def dx(self) -> float:
+        """[m]"""
+        return self.tank.length / self.nx
+
+    @property
+    def dy(self) -> float:
+        """[m]"""
+        return self.tank.height / self.ny
+
+    def zeros(self) -> Array:
+        """A field of zeros."""
+        return np.zeros(self.size)
+
+    def inner(self, field: Array) -> Array:
+        """View of the cells proper, shape (ny, nx); rows from the floor up."""
+        return field.reshape(self.ny + 4, self.stride)[2:-2, 1:-1]
+
+    @cached_property
+    def x(self) -> Array:
+        """x of cell centres [m], flat."""
+        columns = self.tank.x - 0.5 * self.tank.length + (np.arange(self.stride) - 0.5) * self.dx
+        return np.tile(columns, self.ny + 4)
+
+    @cached_property
+    def y(self) -> Array:
+        """y of cell centres [m], flat."""
+        rows = self.tank.y - 0.5 * self.tank.height + (np.arange(self.ny + 4) - 1.5) * self.dy
+        return np.repeat(rows, self.stride)
+
+    @cached_property
+    def open_x(self) -> Array:
+        """1 on vertical faces that liquid can pass, 0 on walls, baffles and outside; flat."""
+        face = self.zeros()
+        self.inner(face)[:, :-1] = 1.0
+        for column, first, last in self.plates:
+            self.inner(face)[first:last, column] = 0.0
+        return face
+
+    @cached_property
+    def open_y(self) -> Array:
+        """The same on horizontal faces."""
+        face = self.zeros()
+        self.inner(face)[:-1] = 1.0
+        return face
+
+    @cached_property
+    def plates(self) -> list[tuple[int, int, int]]:
+        """Baffles: (column of cells on whose east side it stands, first row, row after the last)."""
+        b = self.baffles
+        first, last = round(b.bottom * self.ny), round(b.top * self.ny)
+        columns = [round((n + 1) * self.nx / (b.count + 1)) - 1 for n in range(b.count)]
+        return [(column, first, last) for column in columns]

@@ -1,0 +1,44 @@
+"""Volume fractions of a given surface: a level one in a tilted tank, or any height over the tank's length."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from .grid import Grid
+from .plic import area
+
+Array = NDArray[np.float64]
+
+
+def flat(grid: Grid, alpha: float) -> Array:
+    """Shares (ny, nx) of liquid whose surface is level while the tank is pitched nose-up by alpha [rad]."""
+    # outward normal of the liquid: against gravity, in tank axes
+    nx, ny = -np.sin(alpha) * grid.dx, np.cos(alpha) * grid.dy
+    columns, rows = np.arange(grid.nx) - 0.5 * grid.nx, np.arange(grid.ny) - 0.5 * grid.ny
+    base = nx * columns[None, :] + ny * rows[:, None]
+
+    def shares(level: float) -> Array:
+        return np.array([[area(nx, ny, level - b) for b in row] for row in base])
+
+    corners = [nx * i + ny * j for i in (-0.5 * grid.nx, 0.5 * grid.nx) for j in (-0.5 * grid.ny, 0.5 * grid.ny)]
+    fill = grid.tank.fill_level
+    if fill >= 1.0:
+        return np.ones((grid.ny, grid.nx))
+    level = brentq(lambda z: float(shares(z).mean()) - fill, min(corners), max(corners), xtol=1e-15, rtol=1e-15)
+    return shares(float(level))
+
+
+def from_heights(grid: Grid, rise: Callable[[Array], Array], alpha: float = 0.0) -> Array:
+    """Shares (ny, nx) of liquid below the still level raised by rise(x) [m], x [m] from the west wall, pitched by alpha [rad].
+
+    Averages over each cell by 16 Gauss points; the volume is that of the averages.
+    """
+    points, weights = np.polynomial.legendre.leggauss(16)
+    x = (np.arange(grid.nx)[:, None] + 0.5 + 0.5 * points) * grid.dx
+    height = grid.tank.depth + rise(x) + np.tan(alpha) * (x - 0.5 * grid.tank.length)
+    bottoms = np.arange(grid.ny)[:, None, None] * grid.dy
+    return np.asarray(np.clip((height - bottoms) / grid.dy, 0.0, 1.0) @ (0.5 * weights))
