@@ -22,9 +22,10 @@ def _pure_flux(flux: Any, c: Any, courant: Any, first: int, n: int, step: int) -
 
 
 @jit
-def _cut_flux(flux: Any, courant: Any, cells: Any, lines: Any, count: int, step: int, along: int) -> None:
+def _cut_flux(flux: Any, courant: Any, surface: Any, step: int, along: int) -> None:
     """Fluxes out of mixed cells by cutting their liquid; along: 0 in x, 1 in y."""
-    for m in range(count):
+    cells, lines = surface.cells, surface.lines
+    for m in range(surface.count[0]):
         k = cells[m]
         n_a, n_c, d = lines[m, along], lines[m, 1 - along], lines[m, 2]
         w = courant[k]
@@ -36,12 +37,11 @@ def _cut_flux(flux: Any, courant: Any, cells: Any, lines: Any, count: int, step:
 
 
 @jit
-def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flux_y: Any, cells: Any, lines: Any, count: int,
-           nx: int, ny: int, y_first: bool) -> int:  # fmt: skip
-    """Advance volume fractions by one time step; returns the number of mixed cells after it.
+def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flux_y: Any, surface: Any,
+           nx: int, ny: int, y_first: bool) -> None:  # fmt: skip
+    """Advance volume fractions by one time step.
 
-    c: old values with ghosts, reconstructed in cells, lines, count; new: receives the new ones, ghosts and all, reconstructed in
-    cells and lines; nu_x, nu_y: Courant numbers of the faces, divergence-free, at most 1/2; flux_x, flux_y: receive the fluxes;
+    c: old values with ghosts, reconstructed in surface; new: receives the new ones, ghosts and all, reconstructed there; nu_x, nu_y: Courant numbers of the faces, divergence-free, at most 1/2; flux_x, flux_y: receive the fluxes;
     middle: scratch.
     """
     s = nx + 2
@@ -50,7 +50,7 @@ def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flu
     nu_1, nu_2 = (nu_y, nu_x) if y_first else (nu_x, nu_y)
     flux_1, flux_2 = (flux_y, flux_x) if y_first else (flux_x, flux_y)
     _pure_flux(flux_1, c, nu_1, first, n, step)
-    _cut_flux(flux_1, nu_1, cells, lines, count, step, 1 if y_first else 0)
+    _cut_flux(flux_1, nu_1, surface, step, 1 if y_first else 0)
     old, mid = c[first : first + n], middle[first : first + n]
     f_in, f_out = flux_1[first - step : first - step + n], flux_1[first : first + n]
     n_in, n_out = nu_1[first - step : first - step + n], nu_1[first : first + n]
@@ -58,13 +58,13 @@ def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flu
         dilatation = n_out[k] - n_in[k] if old[k] > 0.5 else 0.0
         mid[k] = old[k] - (f_out[k] - f_in[k]) + dilatation
     fill_ghosts(middle, nx, ny)
-    count = reconstruct(middle, nx, ny, cells, lines)
+    reconstruct(middle, nx, ny, surface)
     _pure_flux(flux_2, middle, nu_2, first, n, other)
-    _cut_flux(flux_2, nu_2, cells, lines, count, other, 0 if y_first else 1)
+    _cut_flux(flux_2, nu_2, surface, other, 0 if y_first else 1)
     end = new[first : first + n]
     x_in, x_out = flux_x[first - 1 : first - 1 + n], flux_x[first : first + n]
     y_in, y_out = flux_y[first - s : first - s + n], flux_y[first : first + n]
     for k in range(n):
         end[k] = old[k] - (x_out[k] - x_in[k]) - (y_out[k] - y_in[k])
     fill_ghosts(new, nx, ny)
-    return reconstruct(new, nx, ny, cells, lines)
+    reconstruct(new, nx, ny, surface)

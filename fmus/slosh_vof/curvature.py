@@ -45,10 +45,11 @@ def _height(c: Any, k: int, step: int, down: int, up: int, sign: float) -> tuple
 
 
 @jit
-def curvature(c: Any, cells: Any, lines: Any, count: int, kappa: Any, dx: float, dy: float, nx: int, ny: int) -> None:
-    """Curvature [1/m] of each mixed cell, positive where the liquid bulges; ghosts of c must be filled."""
+def curvature(c: Any, surface: Any, dx: float, dy: float, nx: int, ny: int) -> None:
+    """Set the curvature [1/m] of each mixed cell, positive where the liquid bulges; ghosts of c must be filled."""
     s = nx + 2
-    for m in range(count):
+    cells, lines, kappa = surface.cells, surface.lines, surface.kappa
+    for m in range(surface.count[0]):
         k = cells[m]
         i, j = k % s - 1, k // s - 2
         n_x, n_y = lines[m, 0], lines[m, 1]
@@ -67,24 +68,25 @@ def curvature(c: Any, cells: Any, lines: Any, count: int, kappa: Any, dx: float,
             slope = 0.5 * (right - left) * h / w
             kappa[m] = -(right - 2.0 * middle + left) * h / (w * w) / (1.0 + slope * slope) ** 1.5
         else:
-            kappa[m] = _from_normals(c, k, s, dx, dy, i == 0, i == nx - 1, j == 0, j == ny - 1)
+            kappa[m] = _from_normals(c, k, nx, ny, dx, dy, i == 0, i == nx - 1, j == 0, j == ny - 1)
 
 
 @jit
-def _unit(c: Any, k: int, s: int, dx: float, dy: float) -> tuple[float, float]:
-    n_x, n_y = normal(c, k, s)
+def _unit(c: Any, k: int, nx: int, ny: int, dx: float, dy: float) -> tuple[float, float]:
+    n_x, n_y, _ = normal(c, k, nx, ny)
     n_x, n_y = n_x / dx, n_y / dy
     size = (n_x * n_x + n_y * n_y) ** 0.5
     return n_x / size, n_y / size
 
 
 @jit
-def _from_normals(c: Any, k: int, s: int, dx: float, dy: float, west: bool, east: bool, floor: bool, roof: bool) -> float:
+def _from_normals(c: Any, k: int, nx: int, ny: int, dx: float, dy: float, west: bool, east: bool, floor: bool, roof: bool) -> float:
     """Divergence of unit normals of the mixed neighbours, no finer than a cell."""
-    e, _ = _unit(c, k if east else k + 1, s, dx, dy)
-    w, _ = _unit(c, k if west else k - 1, s, dx, dy)
-    _, n = _unit(c, k if roof else k + s, s, dx, dy)
-    _, b = _unit(c, k if floor else k - s, s, dx, dy)
+    s = nx + 2
+    e, _ = _unit(c, k if east else k + 1, nx, ny, dx, dy)
+    w, _ = _unit(c, k if west else k - 1, nx, ny, dx, dy)
+    _, n = _unit(c, k if roof else k + s, nx, ny, dx, dy)
+    _, b = _unit(c, k if floor else k - s, nx, ny, dx, dy)
     value = 0.5 * ((e - w) / dx + (n - b) / dy)
     most = 1.0 / min(dx, dy)
     return min(max(value, -most), most)

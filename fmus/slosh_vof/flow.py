@@ -13,7 +13,7 @@ from . import loads as wall
 from . import step
 from .grid import Grid
 from .multigrid import plan
-from .plic import fill_ghosts, reconstruct
+from .plic import fill_ghosts, reconstruct, surface
 from .surface import flat, from_heights
 
 Array = NDArray[np.float64]
@@ -83,9 +83,7 @@ class Flow:
         self.state = np.zeros((step.STATE_ROWS, grid.size))
         self.work = np.zeros((step.WORK_ROWS, grid.size))
         self.coarse = np.zeros((7, length), dtype=np.float32)
-        self.cells = np.zeros(grid.nx * grid.ny, dtype=np.int64)
-        self.lines = np.zeros((grid.nx * grid.ny, 3))
-        self.kappa = np.zeros(grid.nx * grid.ny)
+        self.surface = surface(grid.nx, grid.ny)
         self.notes = np.zeros(step.NOTES)
         self.frame = np.zeros(5)
         self.shared = False
@@ -112,11 +110,11 @@ class Flow:
         c = self.state[step.C]
         self.grid.inner(c)[:] = fractions
         fill_ghosts(c, n.nx, n.ny)
-        count = reconstruct(c, n.nx, n.ny, self.cells, self.lines)
+        reconstruct(c, n.nx, n.ny, self.surface)
         work[step.OLD_RHO] = n.gas_density + (n.liquid_density - n.gas_density) * c
         step.frame_force(course(motion, motion, 1.0), 1.0, n.gravity, self.frame)
         iterations, residual = step.accelerate(
-            self.state, work, self.coarse, self.cells, self.lines, self.kappa, count, self.frame, self.places, n, n.max_step,
+            self.state, work, self.coarse, self.surface, self.frame, self.places, n, n.max_step,
             min(1e-3 * n.tolerance, 1e-9))  # fmt: skip
         for row, face, width in ((step.AX, step.KX, n.dy), (step.AY, step.KY, n.dx)):
             ahead = 1 if row == step.AX else self.grid.stride
@@ -126,7 +124,6 @@ class Flow:
             self.state[row] -= work[face] * slope / width
         self.state[step.Q_BEFORE] = self.state[step.Q]
         self.notes[:] = 0.0
-        self.notes[step.MIXED_CELLS] = count
         return StepReport(0, 0.0, iterations, True, residual)
 
     def advance(self, start: SectionMotion, end: SectionMotion, duration: float) -> StepReport:
@@ -135,8 +132,8 @@ class Flow:
             self.state, self.shared = self.state.copy(), False
         table = course(start, end, duration)
         with np.errstate(all="ignore"):
-            outcome = step.advance(self.state, self.work, self.coarse, self.cells, self.lines, self.kappa, self.notes, table, duration,
-                                   self.places, self.numbers)  # fmt: skip
+            outcome = step.advance(self.state, self.work, self.coarse, self.surface, self.notes, table, duration, self.places,
+                                   self.numbers)  # fmt: skip
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:
@@ -152,7 +149,7 @@ class Flow:
     def loads(self, motion: SectionMotion) -> Loads:
         """Loads at the present time; motion: that at the end of the last step."""
         out = np.zeros(wall.ROWS)
-        wall.wall_loads(self.state, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
+        wall.wall_loads(self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
                         self.numbers, out)  # fmt: skip
         out *= self.grid.tank.width
         along, up = float(out[wall.FORCE_X]), float(out[wall.FORCE_Y])
@@ -170,7 +167,7 @@ class Flow:
     def pressure(self) -> Array:
         """Pressure [Pa] of the cells above that in the middle of the roof, shape (ny, nx)."""
         out = np.zeros(wall.ROWS)
-        wall.wall_loads(self.state, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
+        wall.wall_loads(self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
                         self.numbers, out)  # fmt: skip
         return self.numbers.liquid_density * self.grid.inner(self.state[step.Q]) - out[wall.DATUM]
 
@@ -212,7 +209,7 @@ class Flow:
         self.work[step.TAU] = snapshot["shear"]
         self.notes = snapshot["notes"].copy()
         self.frame = snapshot["frame"].copy()
-        reconstruct(self.state[step.C], self.numbers.nx, self.numbers.ny, self.cells, self.lines)
+        reconstruct(self.state[step.C], self.numbers.nx, self.numbers.ny, self.surface)
 
 
 _WORDS = {

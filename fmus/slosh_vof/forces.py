@@ -37,7 +37,7 @@ def _point(nx: float, ny: float, d: float, fx: float, fy: float, dx: float, dy: 
 
 
 @jit
-def interface_forces(ax: Any, ay: Any, c: Any, rho: Any, open_x: Any, open_y: Any, cells: Any, lines: Any, kappa: Any, count: int,
+def interface_forces(ax: Any, ay: Any, c: Any, rho: Any, open_x: Any, open_y: Any, surface: Any,
                      x: Any, y: Any, frame: Any, jump: float, sigma: float, dx: float, dy: float, s: int) -> None:  # fmt: skip
     """Add to face accelerations ax, ay what the mean-density body force misses, and surface tension.
 
@@ -45,7 +45,8 @@ def interface_forces(ax: Any, ay: Any, c: Any, rho: Any, open_x: Any, open_y: An
     density of liquid less gas; sigma [N/m] with curvatures kappa (n,) [1/m], positive where the liquid bulges.
     """
     gx, gy, spin, swirl = frame[0], frame[1], frame[2], frame[3]
-    for m in range(count):
+    cells, lines, kappa = surface.cells, surface.lines, surface.kappa
+    for m in range(surface.count[0]):
         k = cells[m]
         nx, ny, d = lines[m, 0], lines[m, 1], lines[m, 2]
         own = _weight(c[k])

@@ -24,8 +24,8 @@ STATE_ROWS = 7
 NU_X, NU_Y, FLUX_X, FLUX_Y, MIDDLE, NEW, OLD_RHO, RHO, LIQUID, MU, TAU, MASS_X, MASS_Y, ALONG, ACROSS, KX, KY, RHS = range(18)
 U_HALF, V_HALF = 18, 19
 WORK_ROWS = 20
-TIME_STEP, STEPS, ITERATIONS, UNCONVERGED, RESIDUAL, MIXED_CELLS, Y_FIRST, RATE = range(8)
-NOTES = 8
+TIME_STEP, STEPS, ITERATIONS, UNCONVERGED, RESIDUAL, Y_FIRST, RATE = range(7)
+NOTES = 7
 
 OK, NOT_FINITE, TOO_SMALL, TOO_MANY = range(4)
 SMALLEST_STEP = 1e-9
@@ -165,7 +165,7 @@ def _extrapolate(q: Any, before: Any, ratio: float, n: int) -> None:
 
 
 @jit
-def accelerate(state: Any, work: Any, coarse: Any, cells: Any, lines: Any, kappa: Any, count: int, frame: Any, places: Any, p: Any,
+def accelerate(state: Any, work: Any, coarse: Any, surface: Any, frame: Any, places: Any, p: Any,
                dt: float, tolerance: float) -> tuple[int, float]:  # fmt: skip
     """Acceleration and pressure at the time of the volume fractions in `state`.
 
@@ -190,8 +190,8 @@ def accelerate(state: Any, work: Any, coarse: Any, cells: Any, lines: Any, kappa
     component(ay, v, u, places.open_y, old, rho, work[MASS_Y], work[MASS_X], liquid, mu, tau, places.x, places.y, force, dt, dy, dx,
               1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1)  # fmt: skip
     if p.surface_tension > 0.0:
-        curvature(state[C], cells, lines, count, kappa, dx, dy, nx, ny)
-    interface_forces(ax, ay, state[C], rho, places.open_x, places.open_y, cells, lines, kappa, count, places.x, places.y, frame,
+        curvature(state[C], surface, dx, dy, nx, ny)
+    interface_forces(ax, ay, state[C], rho, places.open_x, places.open_y, surface, places.x, places.y, frame,
                      p.liquid_density - p.gas_density, p.surface_tension, dx, dy, s)  # fmt: skip
     _conductance(work[KX], rho, places.open_x, dy / dx, p.liquid_density, first, n, 1)
     _conductance(work[KY], rho, places.open_y, dx / dy, p.liquid_density, first, n, s)
@@ -204,12 +204,12 @@ def accelerate(state: Any, work: Any, coarse: Any, cells: Any, lines: Any, kappa
 
 
 @jit
-def advance(state: Any, work: Any, coarse: Any, cells: Any, lines: Any, kappa: Any, notes: Any, course: Any, duration: float,
+def advance(state: Any, work: Any, coarse: Any, surface: Any, notes: Any, course: Any, duration: float,
             places: Any, p: Any) -> int:  # fmt: skip
     """Advance the flow by `duration` [s] in a frame that follows `course`; in place. Returns OK or what went wrong.
 
-    notes (8,): last time step, steps, iterations, steps whose pressure did not converge, worst residual over its limit, mixed cells,
-    which sweep comes first, and the largest Courant number per second: read and kept.
+    notes (7,): last time step, steps, iterations, steps whose pressure did not converge, worst residual over its limit, which
+    sweep comes first, and the largest Courant number per second: read and kept.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -234,10 +234,9 @@ def advance(state: Any, work: Any, coarse: Any, cells: Any, lines: Any, kappa: A
             dt *= 0.95 * p.cfl / largest
             if dt < SMALLEST_STEP:
                 return TOO_SMALL
-        count = advect(state[C], work[NEW], work[MIDDLE], work[NU_X], work[NU_Y], work[FLUX_X], work[FLUX_Y], cells, lines,
-                       int(notes[MIXED_CELLS]), nx, ny, notes[Y_FIRST] > 0.0)  # fmt: skip
+        advect(state[C], work[NEW], work[MIDDLE], work[NU_X], work[NU_Y], work[FLUX_X], work[FLUX_Y], surface, nx, ny,
+               notes[Y_FIRST] > 0.0)  # fmt: skip
         notes[Y_FIRST] = 1.0 - notes[Y_FIRST]
-        notes[MIXED_CELLS] = count
         _mass(work[MASS_X], work[NU_X], work[FLUX_X], p, first, n)
         _mass(work[MASS_Y], work[NU_Y], work[FLUX_Y], p, first, n)
         state[C, :] = work[NEW]
@@ -245,7 +244,7 @@ def advance(state: Any, work: Any, coarse: Any, cells: Any, lines: Any, kappa: A
         done = duration if parts == 1 else done + dt
         frame_force(course, done / duration, p.gravity, frame)
         _extrapolate(state[Q], state[Q_BEFORE], dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0, state.shape[1])
-        iterations, residual = accelerate(state, work, coarse, cells, lines, kappa, count, frame, places, p, dt, p.tolerance)
+        iterations, residual = accelerate(state, work, coarse, surface, frame, places, p, dt, p.tolerance)
         if not math.isfinite(residual):
             return NOT_FINITE
         fastest = _project(state[AX], state[U], work[U_HALF], state[Q], work[KX], dy, dt, first, n, 1) / dx

@@ -3,10 +3,10 @@
 A load is (force_x aft, force_y up, moment nose-up about the elastic axis), of the liquid on the tank, in inertial axes, weight
 included: at rest (0, −m g, m g x). Two frozen liquids are to be kept apart:
 
-- `frozen_load`: the liquid as a rigid body that moves with the tank, exact at any angle and rate. A curve of its own ("what if the
-  fuel did not slosh") and the base of a surrogate.
-- `carried_load`: the same to first order in the motion. In force_y and moment these are, term by term, the terms that a section
-  with `liquid_mass` m, `liquid_static_moment` S, `liquid_inertia` I and `liquid_stiffness` k has on its left side, and the static load:
+- `frozen_load`: the liquid as a rigid body that moves with the tank, exact at any angle and rate. A curve of its own ("what if
+  the fuel did not slosh") and the base of a surrogate.
+- `carried_load`: the same to first order in the motion. In force_y and moment these are, term by term, what a section with
+  `liquid_mass` m, `liquid_static_moment` S, `liquid_inertia` I, `liquid_stiffness` k has on its left side, and the static load:
 
       force_y = −m g + m h'' + S alpha''        moment = m g x − S h'' − I alpha'' − k alpha
 

@@ -1,8 +1,8 @@
 """Linear slosh of a rectangular tank: modal masses, frequencies and heights, fixed mass and inertia.
 
 Graham and Rodriguez, J. Appl. Mech. 19 (1952) 381; NASA SP-106 (1966), chapter 6; Ibrahim, Liquid Sloshing Dynamics (2005). Only
-antisymmetric modes are excited at first order; heights are measured up from the liquid's centre of mass. A full tank has no surface
-and so no modes: its liquid moves as in a closed box.
+antisymmetric modes are excited at first order; heights are measured up from the liquid's centre of mass. A full tank has no
+surface and so no modes: its liquid moves as in a closed box.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def lid_inertia(tank: Tank) -> float:
 
 
 def wave_frequencies(tank: Tank, halves: Array) -> Array:
-    """Frequencies [rad/s] of standing waves with `halves` half waves in the tank's length (odd: antisymmetric), shape of halves."""
+    """Frequencies [rad/s] of standing waves with `halves` half waves in the tank's length (odd: antisymmetric)."""
     wave = halves * np.pi / tank.length
     return np.sqrt(tank.gravity * wave * np.tanh(wave * tank.depth))
 

@@ -43,7 +43,7 @@ class Oscillators:
 
     def amplitude(self, displacement: Array, velocity: Array) -> Complex:
         """Complex amplitude w [m/s] of displacement [m] and velocity [m/s]."""
-        return velocity - np.conj(self.rate) * displacement
+        return np.asarray(velocity - np.conj(self.rate) * displacement, dtype=complex)
 
     def displacement(self, w: Complex) -> Array:
         """Displacement s [m]."""
