@@ -115,23 +115,21 @@ def normal(c: Any, k: int, nx: int, ny: int) -> tuple[float, float, bool]:
     s = nx + 2
     gx, gy = _youngs(c, k, s)
     sure = False
+    row, column = k // s - 2, k % s - 1
+    under, over, left, right = row > 0, row < ny - 1, column > 0, column < nx - 1
     if abs(gy) >= abs(gx):
-        row = k // s - 2
-        under, over = row > 0, row < ny - 1
         slope = 0.5 * (_column(c, k - 1, s, under, over) - _column(c, k + 1, s, under, over))
         below, above = (-1.0 if under else 0.0), (2.0 if over else 1.0)
         # seen from the liquid's side
         low, high = (below, above) if gy >= 0.0 else (1.0 - above, 1.0 - below)
         if _stays_inside(c[k], slope, low, high):
-            gx, gy, sure = slope, (1.0 if gy >= 0.0 else -1.0), True
+            gx, gy, sure = slope, (1.0 if gy >= 0.0 else -1.0), left and right  # ghosts may mislead
     else:
-        column = k % s - 1
-        under, over = column > 0, column < nx - 1
-        slope = 0.5 * (_column(c, k - s, 1, under, over) - _column(c, k + s, 1, under, over))
-        below, above = (-1.0 if under else 0.0), (2.0 if over else 1.0)
+        slope = 0.5 * (_column(c, k - s, 1, left, right) - _column(c, k + s, 1, left, right))
+        below, above = (-1.0 if left else 0.0), (2.0 if right else 1.0)
         low, high = (below, above) if gx >= 0.0 else (1.0 - above, 1.0 - below)
         if _stays_inside(c[k], slope, low, high):
-            gx, gy, sure = (1.0 if gx >= 0.0 else -1.0), slope, True
+            gx, gy, sure = (1.0 if gx >= 0.0 else -1.0), slope, under and over
     size = abs(gx) + abs(gy)
     if size < 1e-12:  # a cell among equals: any line will do
         return 0.0, 1.0, False

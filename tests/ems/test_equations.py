@@ -69,15 +69,15 @@ def solve(tank: Tank, omega: float, lid: bool = False, elements: int = 40) -> tu
     return float(A[0, 0]), float(-A[0, 1]), float(A[1, 1]) + weight
 
 
-@pytest.mark.parametrize("ratio", [0.1, 0.6, 0.8, 1.2, 1.4, 1.6])
+@pytest.mark.parametrize("ratio", [0.1, 0.6, 0.8, 1.2, 1.4])
 @pytest.mark.parametrize("tank", TANKS.values(), ids=TANKS)
 def test_corrected_closed_forms_agree_with_finite_elements(tank: Tank, ratio: float) -> None:
     """At frequencies below and above the first mode's."""
     omega = ratio * float(modes(tank, 1).omega[0])
     fem = solve(tank, omega)
-    assert surge_mass(tank, omega) == pytest.approx(fem[0], rel=6e-5)
-    assert pitch_force(tank, omega) == pytest.approx(fem[1], rel=6e-5)
-    assert pitch_inertia(tank, omega) == pytest.approx(fem[2], rel=6e-5)
+    assert surge_mass(tank, omega) == pytest.approx(fem[0], rel=1e-5)
+    assert pitch_force(tank, omega) == pytest.approx(fem[1], rel=1e-5)
+    assert pitch_inertia(tank, omega) == pytest.approx(fem[2], rel=1e-5)
 
 
 @pytest.mark.parametrize("tank", TANKS.values(), ids=TANKS)
