@@ -39,7 +39,7 @@ class Numerics:
 
     cfl: float = 0.5
     tolerance: float = 1e-6
-    max_step: float = 2e-3
+    max_step: float = 4e-3
     max_iterations: int = 200
     wall_slip: bool = False
 

@@ -68,32 +68,46 @@ def _across(flux: Any, w: Any, mass: Any, liquid: Any, per_density: float, first
 
 
 @jit
-def _combine(acc: Any, w: Any, other: Any, open_face: Any, old: Any, new: Any, along: Any, across: Any, mu: Any, tau: Any,
-             x: Any, y: Any, force: Any, dt: float, ha: float, hb: float, first: int, n: int, a: int, b: int) -> None:  # fmt: skip
-    """acc = advection + viscosity + body force on open faces, 0 on others.
-
-    force (4,): constant, per x, per y, and per velocity of the other component (Coriolis).
-    """
-    out, wc, gate = acc[first : first + n], w[first : first + n], open_face[first : first + n]
-    wb, wf = w[first - a : first - a + n], w[first + a : first + a + n]
-    o0, o1 = other[first - b : first - b + n], other[first : first + n]
-    o2, o3 = other[first + a - b : first + a - b + n], other[first + a : first + a + n]
+def _carry(acc: Any, w: Any, old: Any, new: Any, along: Any, across: Any, dt: float, first: int, n: int, a: int, b: int) -> None:
+    """acc = gain of momentum by advection per time, less that of the mass at the old velocity."""
+    out, wc = acc[first : first + n], w[first : first + n]
     old0, old1 = old[first : first + n], old[first + a : first + a + n]
     new0, new1 = new[first : first + n], new[first + a : first + a + n]
     al0, al1 = along[first : first + n], along[first + a : first + a + n]
     ac0, ac1 = across[first - b : first - b + n], across[first : first + n]
+    per_dt = 1.0 / dt
+    for k in range(n):
+        change = 0.5 * (old0[k] + old1[k] - new0[k] - new1[k])
+        out[k] = (change * wc[k] - (al1[k] - al0[k]) - (ac1[k] - ac0[k])) * per_dt
+
+
+@jit
+def _rub(acc: Any, w: Any, mu: Any, tau: Any, ha: float, hb: float, first: int, n: int, a: int, b: int) -> None:
+    """acc += viscous force per volume."""
+    out = acc[first : first + n]
+    wb, wc, wf = w[first - a : first - a + n], w[first : first + n], w[first + a : first + a + n]
     mu0, mu1 = mu[first : first + n], mu[first + a : first + a + n]
     t0, t1 = tau[first - b : first - b + n], tau[first : first + n]
+    per_a, per_b = 2.0 / (ha * ha), 1.0 / hb
+    for k in range(n):
+        out[k] += per_a * (mu1[k] * (wf[k] - wc[k]) - mu0[k] * (wc[k] - wb[k])) + per_b * (t1[k] - t0[k])
+
+
+@jit
+def _push(acc: Any, other: Any, open_face: Any, new: Any, x: Any, y: Any, force: Any, first: int, n: int, a: int, b: int) -> None:
+    """acc = acc / density + body force on open faces, 0 on others.
+
+    force (4,): constant, per x, per y, and per velocity of the other component (Coriolis).
+    """
+    out, gate = acc[first : first + n], open_face[first : first + n]
+    o0, o1 = other[first - b : first - b + n], other[first : first + n]
+    o2, o3 = other[first + a - b : first + a - b + n], other[first + a : first + a + n]
+    new0, new1 = new[first : first + n], new[first + a : first + a + n]
     xx, yy = x[first : first + n], y[first : first + n]
-    per_dt, per_a, per_b = 1.0 / dt, 2.0 / (ha * ha), 1.0 / hb
     f0, fx, fy, turn = force[0], force[1], force[2], 0.25 * force[3]
     for k in range(n):
-        density = 0.5 * (new0[k] + new1[k])
-        change = 0.5 * (old0[k] + old1[k]) - density
-        carried = (change * wc[k] - (al1[k] - al0[k]) - (ac1[k] - ac0[k])) * per_dt
-        viscous = per_a * (mu1[k] * (wf[k] - wc[k]) - mu0[k] * (wc[k] - wb[k])) + per_b * (t1[k] - t0[k])
         body = f0 + fx * xx[k] + fy * yy[k] + turn * (o0[k] + o1[k] + o2[k] + o3[k])
-        out[k] = gate[k] * ((carried + viscous) / density + body)
+        out[k] = gate[k] * (2.0 * out[k] / (new0[k] + new1[k]) + body)
 
 
 @jit
@@ -108,7 +122,9 @@ def component(acc: Any, w: Any, other: Any, open_face: Any, old: Any, new: Any, 
     """
     _along(along, w, mass_a, liquid, per_density, first, n + a, a)
     _across(across, w, mass_b, liquid, per_density, first - b, n + b, a, b)
-    _combine(acc, w, other, open_face, old, new, along, across, mu, tau, x, y, force, dt, ha, hb, first, n, a, b)
+    _carry(acc, w, old, new, along, across, dt, first, n, a, b)
+    _rub(acc, w, mu, tau, ha, hb, first, n, a, b)
+    _push(acc, other, open_face, new, x, y, force, first, n, a, b)
 
 
 @jit
