@@ -18,6 +18,7 @@ files have names of their own, so at worst a function is compiled twice.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import inspect
@@ -97,6 +98,20 @@ def _name_by_content(function: Callable[..., Any]) -> None:
     function.__module__ = name
 
 
+def argument(cls: type) -> type:
+    """Let a NamedTuple defined in a kernel module be an argument of its kernels.
+
+    numba writes the class of such an argument by the name of its module into the cache: it must be the one
+    made of the content, since every FMU has a package of its own.
+    """
+    with contextlib.suppress(ValueError, TypeError, OSError):  # a class from elsewhere keeps its name
+        digest, place = _place(inspect.getfile(sys.modules[cls.__module__]))
+        name = f"aeroslosh_{digest}_{place.replace('/', '_')}"  # no dots: pickle imports what stands before the first
+        sys.modules.setdefault(name, sys.modules[cls.__module__])
+        cls.__module__ = name
+    return cls
+
+
 @functools.cache
 def _cache_class() -> type:
     """Return numba's cache of functions, in our folder."""
@@ -149,5 +164,13 @@ def _cache_class() -> type:
             # instead.
             base = self._impl.filename_base
             self._cache_file._data_name_pattern = f"{base}.{{number:d}}-{uuid.uuid4().hex[:8]}.nbc"
+
+        def load_overload(self, sig: Any, target_context: Any) -> Any:
+            """Return compiled code, or None where there is none that can be read."""
+            try:
+                return super().load_overload(sig, target_context)
+            except Exception:  # an index that cannot be read is worth a compilation, not a failed run
+                self.flush()
+                return None
 
     return ContentCache

@@ -6,7 +6,7 @@ positive down, `alpha` nose-up, loads about the elastic axis (EA) per metre of s
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from .variables import Variable, input_, output, parameter
 
@@ -88,14 +88,14 @@ WING_LOADS = {
 _END = ", at the end of the communication step"
 
 
-def motion_inputs() -> tuple[Variable, ...]:
-    """Return section motion h … alpha_ddot as inputs (aero, slosh)."""
-    return _inputs(MOTION)
+def motion_inputs(limits: Mapping[str, float] | None = None) -> tuple[Variable, ...]:
+    """Return section motion h … alpha_ddot as inputs (aero, slosh); limits: largest magnitudes by name, in the input's unit."""
+    return _inputs(MOTION, limits)
 
 
-def surge_inputs() -> tuple[Variable, ...]:
-    """Return surge x, x_dot, x_ddot as inputs (slosh)."""
-    return _inputs(SURGE)
+def surge_inputs(limits: Mapping[str, float] | None = None) -> tuple[Variable, ...]:
+    """Return surge x, x_dot, x_ddot as inputs (slosh); limits as above."""
+    return _inputs(SURGE, limits)
 
 
 def tank_parameters() -> tuple[Variable, ...]:
@@ -159,8 +159,12 @@ def slosh_outputs(depends: Iterable[str] = (*MOTION, *SURGE)) -> tuple[Variable,
     return _outputs(SLOSH, depends, None) + _outputs(SLOSH_CONSTANT, (), None)
 
 
-def _inputs(table: dict[str, tuple[str, str, str]]) -> tuple[Variable, ...]:
-    return tuple(input_(n, 0.0, unit, text + _END, quantity=quantity) for n, (unit, quantity, text) in table.items())
+def _inputs(table: dict[str, tuple[str, str, str]], limits: Mapping[str, float] | None = None) -> tuple[Variable, ...]:
+    most = limits or {}
+    return tuple(
+        input_(n, 0.0, unit, text + _END, quantity=quantity, min=-most[n] if n in most else None, max=most.get(n))
+        for n, (unit, quantity, text) in table.items()
+    )
 
 
 def _outputs(

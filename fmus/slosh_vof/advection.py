@@ -25,7 +25,7 @@ def _pure_flux(flux: Any, c: Any, courant: Any, first: int, n: int, step: int) -
 def _cut_flux(flux: Any, courant: Any, surface: Any, step: int, along: int) -> None:
     """Fluxes out of mixed cells by cutting their liquid; along: 0 in x, 1 in y."""
     cells, lines = surface.cells, surface.lines
-    for m in range(surface.count[0]):
+    for m in range(surface.found[0]):
         k = cells[m]
         n_a, n_c, d = lines[m, along], lines[m, 1 - along], lines[m, 2]
         w = courant[k]
@@ -41,8 +41,8 @@ def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flu
            nx: int, ny: int, y_first: bool) -> None:  # fmt: skip
     """Advance volume fractions by one time step.
 
-    c: old values with ghosts, reconstructed in surface; new: receives the new ones, ghosts and all, reconstructed there; nu_x, nu_y: Courant numbers of the faces, divergence-free, at most 1/2; flux_x, flux_y: receive the fluxes;
-    middle: scratch.
+    c: old values with ghosts, reconstructed in surface; new: receives the new ones, ghosts and all, reconstructed there;
+    nu_x, nu_y: Courant numbers of the faces, divergence-free, at most 1/2; flux_x, flux_y: receive the fluxes; middle: scratch.
     """
     s = nx + 2
     first, n = 2 * s, ny * s

@@ -1,8 +1,9 @@
 """Curvature of the interface from heights of columns (or rows), for surface tension.
 
-Height functions over seven cells (Cummins, Francois and Kothe, Comput. Struct. 83 (2005) 425, doi:10.1016/j.compstruc.2004.08.017)
-where three neighbouring columns hold the interface; where they do not, the divergence of the normals of the three-by-three block.
-At a wall the surface continues straight: contact angles are not modelled.
+Height functions over seven cells (Cummins, Francois and Kothe, Comput. Struct. 83 (2005) 425,
+doi:10.1016/j.compstruc.2004.08.017) where three neighbouring columns hold the interface; where they do not, the divergence of the
+normals of the three-by-three block.
+At a wall heights are mirrored: the contact angle is 90 degrees.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from ..kit.compiled import jit
 from .plic import normal
 
 _REACH = 3
+_PURE = 1e-4
 
 
 @jit
@@ -30,7 +32,7 @@ def _height(c: Any, k: int, step: int, down: int, up: int, sign: float) -> tuple
         position -= int(sign) * step
         value = _clip(c[position])
         total += value - 1.0
-        if value > 1.0 - 1e-6:
+        if value > 1.0 - _PURE:
             ends += 1
             break
     position = k
@@ -38,7 +40,7 @@ def _height(c: Any, k: int, step: int, down: int, up: int, sign: float) -> tuple
         position += int(sign) * step
         value = _clip(c[position])
         total += value
-        if value < 1e-6:
+        if value < _PURE:
             ends += 1
             break
     return total, ends == 2
@@ -49,7 +51,7 @@ def curvature(c: Any, surface: Any, dx: float, dy: float, nx: int, ny: int) -> N
     """Set the curvature [1/m] of each mixed cell, positive where the liquid bulges; ghosts of c must be filled."""
     s = nx + 2
     cells, lines, kappa = surface.cells, surface.lines, surface.kappa
-    for m in range(surface.count[0]):
+    for m in range(surface.found[0]):
         k = cells[m]
         i, j = k % s - 1, k // s - 2
         n_x, n_y = lines[m, 0], lines[m, 1]
@@ -61,14 +63,15 @@ def curvature(c: Any, surface: Any, dx: float, dy: float, nx: int, ny: int) -> N
         else:
             step, side, h, w = 1, s, dx, dy
             down, up, sign = min(_REACH, i + 1), min(_REACH, nx - i), 1.0 if n_x > 0.0 else -1.0
-        left, good_l = _height(c, k - side, step, down, up, sign)
+        place, last = (i, nx - 1) if upright else (j, ny - 1)
         middle, good_m = _height(c, k, step, down, up, sign)
-        right, good_r = _height(c, k + side, step, down, up, sign)
+        left, good_l = _height(c, k - side, step, down, up, sign) if place > 0 else (middle, good_m)
+        right, good_r = _height(c, k + side, step, down, up, sign) if place < last else (middle, good_m)
         if good_l and good_m and good_r:
             slope = 0.5 * (right - left) * h / w
             kappa[m] = -(right - 2.0 * middle + left) * h / (w * w) / (1.0 + slope * slope) ** 1.5
         else:
-            kappa[m] = _from_normals(c, k, nx, ny, dx, dy, i == 0, i == nx - 1, j == 0, j == ny - 1)
+            kappa[m] = _from_normals(c, k, nx, ny, dx, dy, i, j)
 
 
 @jit
@@ -80,13 +83,13 @@ def _unit(c: Any, k: int, nx: int, ny: int, dx: float, dy: float) -> tuple[float
 
 
 @jit
-def _from_normals(c: Any, k: int, nx: int, ny: int, dx: float, dy: float, west: bool, east: bool, floor: bool, roof: bool) -> float:
+def _from_normals(c: Any, k: int, nx: int, ny: int, dx: float, dy: float, i: int, j: int) -> float:
     """Divergence of unit normals of the mixed neighbours, no finer than a cell."""
     s = nx + 2
-    e, _ = _unit(c, k if east else k + 1, nx, ny, dx, dy)
-    w, _ = _unit(c, k if west else k - 1, nx, ny, dx, dy)
-    _, n = _unit(c, k if roof else k + s, nx, ny, dx, dy)
-    _, b = _unit(c, k if floor else k - s, nx, ny, dx, dy)
+    e, _ = _unit(c, k if i == nx - 1 else k + 1, nx, ny, dx, dy)
+    w, _ = _unit(c, k if i == 0 else k - 1, nx, ny, dx, dy)
+    _, n = _unit(c, k if j == ny - 1 else k + s, nx, ny, dx, dy)
+    _, b = _unit(c, k if j == 0 else k - s, nx, ny, dx, dy)
     value = 0.5 * ((e - w) / dx + (n - b) / dy)
     most = 1.0 / min(dx, dy)
     return min(max(value, -most), most)

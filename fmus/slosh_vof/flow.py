@@ -137,6 +137,7 @@ class Flow:
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:
+            self.work[:], self.coarse[:] = 0.0, 0.0  # no trace in a state that is restored after this
             raise FlowError(_WORDS[outcome].format(step=notes[step.TIME_STEP], steps=int(notes[step.STEPS])))
         return StepReport(
             int(notes[step.STEPS]),
@@ -148,15 +149,20 @@ class Flow:
 
     def loads(self, motion: SectionMotion) -> Loads:
         """Loads at the present time; motion: that at the end of the last step."""
-        out = np.zeros(wall.ROWS)
-        wall.wall_loads(self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
-                        self.numbers, out)  # fmt: skip
+        out = self._walls()
         out *= self.grid.tank.width
         along, up = float(out[wall.FORCE_X]), float(out[wall.FORCE_Y])
         sin, cos = np.sin(motion.alpha), np.cos(motion.alpha)
         return Loads(
             float(along * cos + up * sin), float(up * cos - along * sin), float(out[wall.MOMENT]), along, up,
             float(out[wall.WEST]), float(out[wall.EAST]))  # fmt: skip
+
+    def _walls(self) -> Array:
+        out = np.zeros(wall.ROWS)
+        wall.wall_loads(
+            self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y,
+            self.plates, self.numbers, out)  # fmt: skip
+        return out
 
     @property
     def fractions(self) -> Array:
@@ -166,9 +172,7 @@ class Flow:
     @property
     def pressure(self) -> Array:
         """Pressure [Pa] of the cells above that in the middle of the roof, shape (ny, nx)."""
-        out = np.zeros(wall.ROWS)
-        wall.wall_loads(self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y, self.plates,
-                        self.numbers, out)  # fmt: skip
+        out = self._walls()
         return self.numbers.liquid_density * self.grid.inner(self.state[step.Q]) - out[wall.DATUM]
 
     @property
@@ -213,10 +217,10 @@ class Flow:
 
 
 _WORDS = {
-    step.NOT_FINITE: "the flow is no longer finite after {steps} time steps of this communication step. Remedy: look at the motion "
-    "for values no tank would survive; a smaller cfl helps with violent impacts",
-    step.TOO_SMALL: "the time step fell below 1e-9 s after {steps} time steps (last {step:.1e} s). Remedy: look at the motion for "
-    "values no tank would survive, or use fewer cells",
+    step.NOT_FINITE: "the flow is no longer finite after {steps} time steps of this communication step. Remedy: look at the "
+    "motion for values no tank would survive; a smaller cfl helps with violent impacts",
+    step.TOO_SMALL: "the time step fell below 1e-9 s after {steps} time steps (last {step:.1e} s). Remedy: look at the motion "
+    "for values no tank would survive, or use fewer cells",
     step.TOO_MANY: "more than 2 million time steps in one communication step. Remedy: shorter communication steps",
 }
 

@@ -1,7 +1,7 @@
 """What the body force and surface tension do at the interface, so that liquid at rest stays at rest.
 
-Plain body force with the mean density of a face leaves a mixed row of cells with a wrong lateral pressure force, −1/2 ρ g Δy per
-surface slope. Here the force follows from the potential at the interface itself: −∇p + ρ b = −∇(p + ρΦ) + Φ_I ∇ρ with b = −∇Φ, so a
+Plain body force with the mean density of a face leaves a mixed row of cells with a wrong lateral pressure force, −1/2 ρ g Δy
+per surface slope. Here the force follows from the potential at the interface: −∇p + ρ b = −∇(p + ρΦ) + Φ_I ∇ρ with b = −∇Φ, so a
 flat surface on an equipotential is balanced exactly at any tilt (the idea of reduced gravity: Wroniszewski, Verschaeve and
 Pedersen, Coastal Eng. 87 (2014) 139, doi:10.1016/j.coastaleng.2013.12.008).
 """
@@ -46,7 +46,7 @@ def interface_forces(ax: Any, ay: Any, c: Any, rho: Any, open_x: Any, open_y: An
     """
     gx, gy, spin, swirl = frame[0], frame[1], frame[2], frame[3]
     cells, lines, kappa = surface.cells, surface.lines, surface.kappa
-    for m in range(surface.count[0]):
+    for m in range(surface.found[0]):
         k = cells[m]
         nx, ny, d = lines[m, 0], lines[m, 1], lines[m, 2]
         own = _weight(c[k])
@@ -59,6 +59,9 @@ def interface_forces(ax: Any, ay: Any, c: Any, rho: Any, open_x: Any, open_y: An
             if gate == 0.0:
                 continue
             other = k + step if far else k - step
+            step_c = c[face + step] - c[face]
+            if step_c * (ny if vertical else nx) > 0.0:  # the neighbour belongs to another piece of surface
+                continue
             share = own / (own + _weight(c[other]))
             fx = 0.5 if vertical else (1.0 if far else 0.0)
             fy = (1.0 if far else 0.0) if vertical else 0.5
@@ -68,7 +71,7 @@ def interface_forces(ax: Any, ay: Any, c: Any, rho: Any, open_x: Any, open_y: An
             hy = y[k] + (fy - 0.5) * dy + 0.5 * py
             rise = -(gx + spin * hy + swirl * hx) * px - (gy + spin * hx + swirl * hy) * py
             mean = 0.5 * (rho[face] + rho[face + step])
-            push = share * (jump * rise + sigma * kappa[m]) * (c[face + step] - c[face]) / mean
+            push = share * (jump * rise + sigma * kappa[m]) * step_c / mean
             if vertical:
                 ay[face] += push / dy
             else:

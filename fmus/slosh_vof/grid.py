@@ -1,7 +1,7 @@
 """The staggered grid of a tank: sizes, where things lie in the flat arrays, which faces are open, coordinates.
 
-All fields share one layout: flat float64, stride s = nx + 2, cell (i, j) at (j + 2)·s + i + 1, so that one ghost column lies between
-rows and two ghost rows at each end. u at index k is on the east face of cell k, v on its north face.
+All fields share one layout: flat float64, stride s = nx + 2, cell (i, j) at (j + 2)·s + i + 1, so that one ghost column lies
+between rows and two ghost rows at each end. u at index k is on the east face of cell k, v on its north face.
 """
 
 from __future__ import annotations
@@ -17,6 +17,10 @@ from ..tank.liquid import Tank
 Array = NDArray[np.float64]
 
 
+class GridError(ValueError):
+    """Cells or baffles that no tank can have; the text names the parameter and the remedy."""
+
+
 @dataclass(frozen=True)
 class Baffles:
     """Thin vertical plates at equal distances across the tank, from `bottom` to `top` (shares of the tank's height)."""
@@ -28,12 +32,33 @@ class Baffles:
 
 @dataclass(frozen=True)
 class Grid:
-    """nx by ny equal cells in a tank; coordinates [m] in wing axes from the elastic axis."""
+    """nx by ny equal cells in a tank; coordinates [m] in wing axes from the elastic axis.
+
+    Raises GridError for fewer than 4 cells a side, and for baffles less than 4 cells apart, less than a cell high or from floor
+    to roof.
+    """
 
     tank: Tank
     nx: int
     ny: int
     baffles: Baffles = Baffles()
+
+    def __post_init__(self) -> None:
+        if min(self.nx, self.ny) < 4:
+            raise GridError(f"{self.nx} x {self.ny} cells. Remedy: at least 4 each way, 16 for a flow worth looking at")
+        b = self.baffles
+        if b.count and self.nx < 4 * (b.count + 1):
+            raise GridError(f"{b.count} baffles in {self.nx} cells. Remedy: at least {4 * (b.count + 1)} cells along the tank")
+        for _, first, last in self.plates:
+            if last <= first:
+                raise GridError(
+                    f"baffles from {b.bottom:g} to {b.top:g} of the height are less than one of {self.ny} cells high. "
+                    "Remedy: a tip above the foot, or more cells over the height"
+                )
+            if last - first == self.ny:
+                raise GridError(
+                    "baffles from floor to roof make tanks of their own. Remedy: leave a cell open, or model one of them"
+                )
 
     @property
     def stride(self) -> int:

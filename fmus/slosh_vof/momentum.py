@@ -1,8 +1,8 @@
 """Acceleration of the two fluids without pressure: advection consistent with mass, viscosity, body force, interface forces.
 
 Momentum is carried by the mass fluxes of the volume-of-fluid step: the density of a face is the mean of its two cells, the mass
-through a side of its control volume the mean of the two cells' fluxes, so that a face filled by liquid takes the liquid's velocity
-(Rudman, Int. J. Numer. Meth. Fluids 28 (1998) 357; Raessi and Pitsch, Comput. Fluids 63 (2012) 70). Where all around is liquid the
+through a side of its control volume the mean of the two cells' fluxes, so that a face filled by liquid takes its velocity
+(Rudman, Int. J. Numer. Meth. Fluids 28 (1998) 357; Raessi and Pitsch, Comput. Fluids 63 (2012) 70). Where all is liquid the
 carried velocity is second order (van Leer's limiter with Lax-Wendroff correction), elsewhere upwind.
 
 Both components use the same kernels: `a` is the distance in the flat arrays along the component (1 for u, s for v), `b` across.
@@ -116,9 +116,9 @@ def component(acc: Any, w: Any, other: Any, open_face: Any, old: Any, new: Any, 
               first: int, n: int, a: int, b: int) -> None:  # fmt: skip
     """Acceleration of one component without pressure.
 
-    w, other: velocities; old, new: densities of cells before and after the step dt; mass_a, mass_b: mass through far faces in the
-    step per cell volume; liquid: 1 in liquid cells; mu, tau: dynamic viscosity of cells, shear stress at nodes; ha, hb: cell sizes
-    along and across; per_density: 1/ρ_l; along, across: scratch.
+    w, other: velocities; old, new: densities of cells before and after the step dt; mass_a, mass_b: mass through far faces in
+    the step per cell volume; liquid: 1 in liquid cells; mu, tau: dynamic viscosity of cells, shear stress at nodes; ha, hb: cell
+    sizes along and across; per_density: 1/ρ_l; along, across: scratch.
     """
     _along(along, w, mass_a, liquid, per_density, first, n + a, a)
     _across(across, w, mass_b, liquid, per_density, first - b, n + b, a, b)
@@ -129,16 +129,21 @@ def component(acc: Any, w: Any, other: Any, open_face: Any, old: Any, new: Any, 
 
 @jit
 def shear(tau: Any, u: Any, v: Any, mu: Any, dx: float, dy: float, nx: int, ny: int, slip: bool) -> None:
-    """Shear stress at the north-east node of each cell, walls included; velocities need their ghosts (`wall_ghosts`)."""
+    """Shear stress at the north-east node of each cell, walls included; velocities need their ghosts (`wall_ghosts`).
+
+    Viscosities of the four cells in series (harmonic mean): gas beside thick liquid must not feel the liquid's viscosity.
+    """
     s = nx + 2
     first, n = s, (ny + 1) * s
+    per_dx, per_dy = 1.0 / dx, 1.0 / dy
     t = tau[first : first + n]
     u0, u1 = u[first : first + n], u[first + s : first + s + n]
     v0, v1 = v[first : first + n], v[first + 1 : first + 1 + n]
     m0, m1 = mu[first : first + n], mu[first + 1 : first + 1 + n]
     m2, m3 = mu[first + s : first + s + n], mu[first + s + 1 : first + s + 1 + n]
     for k in range(n):
-        t[k] = 0.25 * (m0[k] + m1[k] + m2[k] + m3[k]) * ((u1[k] - u0[k]) / dy + (v1[k] - v0[k]) / dx)
+        series = 1.0 / m0[k] + 1.0 / m1[k] + 1.0 / m2[k] + 1.0 / m3[k]
+        t[k] = 4.0 / series * ((u1[k] - u0[k]) * per_dy + (v1[k] - v0[k]) * per_dx)
     if slip:
         for i in range(s):
             tau[s + i] = 0.0

@@ -13,23 +13,25 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kit.cache import argument
 from ..kit.compiled import inline, jit
 
 MIXED = 1e-6
 """Cells within this of empty or full count as such: the divergence that the pressure leaves shows in full cells."""
 
 
+@argument
 class Surface(NamedTuple):
     """The lines of all mixed cells.
 
-    cells (n,): flat indices; lines (n, 3): nx, ny, d; at (size,): number of a cell's line plus one, 0 for none; count (1,);
-    doubts (n,): scratch; kappa (n,): curvatures [1/m].
+    cells (n,): flat indices; lines (n, 3): nx, ny, d; at (size,): number of a cell's line plus one, 0 for none; found (1,):
+    how many; doubts (n,): scratch; kappa (n,): curvatures [1/m].
     """
 
     cells: NDArray[np.int64]
     lines: NDArray[np.float64]
     at: NDArray[np.int64]
-    count: NDArray[np.int64]
+    found: NDArray[np.int64]
     doubts: NDArray[np.int64]
     kappa: NDArray[np.float64]
 
@@ -82,9 +84,9 @@ def intercept(c: float, nx: float, ny: float) -> float:
 
 @jit
 def _stays_inside(c: float, slope: float, low: float, high: float) -> bool:
-    """Whether a line of this slope through a cell with share c stays between low and high (cells from its floor) over three columns.
+    """Whether a line of this slope through a cell with share c stays between low and high over three columns.
 
-    Only then do the sums of three cells tell its heights.
+    In cells from its floor. Only then do the sums of three cells tell its heights.
     """
     s = abs(slope)
     # height of the line at the middle of the cell, by area; a corner cut is nearer the edge still
@@ -108,7 +110,7 @@ def _column(c: Any, k: int, step: int, before: bool, after: bool) -> float:
 
 @jit
 def normal(c: Any, k: int, nx: int, ny: int) -> tuple[float, float, bool]:
-    """Normal (nx, ny) of the interface in cell k, |nx| + |ny| = 1, out of the liquid, and whether it is exact for a straight line.
+    """Normal (nx, ny) of the interface in cell k, |nx| + |ny| = 1, out of the liquid; and whether it is exact for a line.
 
     Differences of column (or row) sums where the line they give stays within the three-by-three block, Youngs' elsewhere.
     """
@@ -215,7 +217,7 @@ def reconstruct(c: Any, nx: int, ny: int, surface: Any) -> int:
     """Find the mixed cells and their lines, into `surface`; ghosts of c must be filled. Returns how many there are."""
     s = nx + 2
     cells, lines, at, doubts = surface.cells, surface.lines, surface.at, surface.doubts
-    for m in range(surface.count[0]):
+    for m in range(surface.found[0]):
         at[cells[m]] = 0
     count = 0
     for j in range(2, ny + 2):
@@ -224,7 +226,7 @@ def reconstruct(c: Any, nx: int, ny: int, surface: Any) -> int:
             if row[i] > MIXED and row[i] < 1.0 - MIXED:
                 cells[count] = j * s + 1 + i
                 count += 1
-    surface.count[0] = count
+    surface.found[0] = count
     doubtful = 0
     for m in range(count):
         k = cells[m]

@@ -1,6 +1,7 @@
 """Pressure: conjugate gradients in double precision, preconditioned by one single-precision multigrid cycle.
 
-Unknown q = p/ρ_l [m²/s²]; A q = Σ k (q − q_neighbour) with conductances k = (ρ_l/ρ_face)·(width/distance), 0 where nothing passes.
+Unknown q = p/ρ_l [m²/s²]; A q = Σ k (q − q_neighbour) with conductances k = (ρ_l/ρ_face)·(width/distance), 0 where nothing
+passes.
 Arrays are laid out as in `grid`; level arrays as in `multigrid`.
 """
 
@@ -100,7 +101,7 @@ def solve(q: Any, rhs: Any, kx: Any, ky: Any, limit: float, most: int, levels: A
     coarse (7, n): level arrays ke, kn, d, di, b, x, scratch in single precision; work (3, n): flat arrays. Returns the
     iterations taken and the residual left (not finite where it broke down).
     """
-    nx, ny, s = levels[0, 0], levels[0, 1], levels[0, 2]
+    ny, s = levels[0, 1], levels[0, 2]
     first, there, n = 2 * s, levels[0, 3] + s, ny * s
     r, p, product = work[0], work[1], work[2]
     ke, kn, d, di, b, x, scratch = coarse[0], coarse[1], coarse[2], coarse[3], coarse[4], coarse[5], coarse[6]

@@ -1,10 +1,11 @@
 """A communication step in one compiled call: as many internal time steps as the flow asks for.
 
-Velocity Verlet: half-step velocity → volume fractions → acceleration of the new time with the new surface → velocity. Gravity waves
-and the tank's acceleration are second order in time for any sequence of steps; advection and viscosity are taken at the half step.
+Velocity Verlet: half-step velocity → volume fractions → acceleration at the new time with the new surface → velocity. Gravity
+waves and the tank's acceleration are second order in time for any sequence of steps; advection and viscosity are taken at the
+half step.
 
-Rows of `state`: C volume fraction, U, V velocities, AX, AY accelerations (all at the same time, both free of divergence), Q pressure
-over liquid density, Q_BEFORE that of the step before. Rows of `work`: scratch.
+Rows of `state`: C volume fraction, U, V velocities, AX, AY accelerations (all at the same time, both free of divergence), Q
+pressure over liquid density, Q_BEFORE that of the step before. Rows of `work`: scratch.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from ..kit.cache import argument
 from ..kit.compiled import jit
 from .advection import advect
 from .curvature import curvature
@@ -32,6 +34,7 @@ SMALLEST_STEP = 1e-9
 MOST_STEPS = 2_000_000
 
 
+@argument
 class Numbers(NamedTuple):
     """Constants of a run: cell counts and sizes, fluids, gravity, numerics."""
 
@@ -52,6 +55,7 @@ class Numbers(NamedTuple):
     slip: bool
 
 
+@argument
 class Places(NamedTuple):
     """Arrays that never change: coordinates of cells, open faces, multigrid levels."""
 
@@ -129,7 +133,9 @@ def _conductance(k_out: Any, rho: Any, gate: Any, ratio: float, density: float, 
 
 
 @jit
-def _divergence(rhs: Any, ax: Any, ay: Any, u: Any, v: Any, per_dt: float, dx: float, dy: float, first: int, n: int, s: int) -> None:
+def _divergence(
+    rhs: Any, ax: Any, ay: Any, u: Any, v: Any, per_dt: float, dx: float, dy: float, first: int, n: int, s: int
+) -> None:
     """rhs = −(divergence of the acceleration + that left in the velocity, to be undone within a step) times cell area."""
     out = rhs[first : first + n]
     a0, a1 = ax[first - 1 : first - 1 + n], ax[first : first + n]
@@ -184,11 +190,11 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, frame: Any, pla
     wall_ghosts(u, v, nx, ny, p.slip)
     shear(tau, u, v, mu, dx, dy, nx, ny, p.slip)
     force = (frame[0] + 0.5 * dx * frame[3], frame[3], -frame[2], -2.0 * frame[4])
-    component(ax, u, v, places.open_x, old, rho, work[MASS_X], work[MASS_Y], liquid, mu, tau, places.x, places.y, force, dt, dx, dy,
-              1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, 1, s)  # fmt: skip
+    component(ax, u, v, places.open_x, old, rho, work[MASS_X], work[MASS_Y], liquid, mu, tau, places.x, places.y, force, dt, dx,
+              dy, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, 1, s)  # fmt: skip
     force = (frame[1] + 0.5 * dy * frame[3], frame[2], frame[3], 2.0 * frame[4])
-    component(ay, v, u, places.open_y, old, rho, work[MASS_Y], work[MASS_X], liquid, mu, tau, places.x, places.y, force, dt, dy, dx,
-              1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1)  # fmt: skip
+    component(ay, v, u, places.open_y, old, rho, work[MASS_Y], work[MASS_X], liquid, mu, tau, places.x, places.y, force, dt, dy,
+              dx, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1)  # fmt: skip
     if p.surface_tension > 0.0:
         curvature(state[C], surface, dx, dy, nx, ny)
     interface_forces(ax, ay, state[C], rho, places.open_x, places.open_y, surface, places.x, places.y, frame,

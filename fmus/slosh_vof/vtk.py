@@ -14,15 +14,16 @@ from .flow import Flow
 def write(folder: Path, number: int, flow: Flow, motion: SectionMotion, time: float) -> Path:
     """Write fields_<number>.vts of the flow at `time` [s] and `motion`; folder is made where missing. Returns the path.
 
-    Cells: volume_fraction of liquid, pressure [Pa] above that in the middle of the roof, velocity [m/s] relative to the tank along
-    inertial axes, density [kg/m3]. Whole file: TimeValue [s], baffles [m] (2, 3) each, foot and tip, where there are any.
+    Cells: volume_fraction of liquid, pressure [Pa] above that in the middle of the roof, velocity [m/s] relative to the tank
+    along inertial axes, density [kg/m3]. Whole file: TimeValue [s], baffles [m] (2, 3) each, foot and tip, where there are any.
     """
     folder.mkdir(parents=True, exist_ok=True)
     grid = flow.grid
     place = np.array([motion.x, -motion.h, 0.0])
     west = grid.tank.x - 0.5 * grid.tank.length + grid.dx * np.arange(grid.nx + 1)
     floor = grid.tank.y - 0.5 * grid.tank.height + grid.dy * np.arange(grid.ny + 1)
-    points = turned(*np.meshgrid(west, floor), motion.alpha) + place
+    x, y = np.meshgrid(west, floor)
+    points = turned(x, y, motion.alpha) + place
     u, v = flow.velocity
     share = flow.fractions
     cells = {

@@ -1,0 +1,143 @@
+"""Face of the two-phase flow in a moving tank: names, units and state."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.slave import Slave, StepError
+from ..kit.variables import Variable, input_, output, parameter
+from ..tank.frozen import Load, constants, residual_load
+from ..tank.liquid import Tank, TankError
+from ..tank.motion import SectionMotion
+from . import vtk
+from .flow import Flow, FlowError, Fluids, Numerics, StepReport
+from .grid import Baffles, Grid, GridError
+
+INPUTS = (*MOTION, *SURGE)
+LIMITS = {"h": 1e9, "h_dot": 1e6, "h_ddot": 1e5, "alpha": 1e6, "alpha_dot": 1e3, "alpha_ddot": 1e6,
+          "x": 1e9, "x_dot": 1e6, "x_ddot": 1e5}  # fmt: skip
+"""Largest magnitudes of the inputs: no tank survives more. As ranges of the face, so that a good value cures a bad one."""
+
+
+def _force(name: str, text: str) -> Variable:
+    return output(name, "N/m", text, quantity="ForcePerLength", depends=INPUTS)
+
+
+class SloshVof(Slave):
+    """Two-phase flow (volume of fluid) in a rectangular tank, with baffles if wanted, that moves with a wing section."""
+
+    stop_time = 2.0
+    step_size = 2e-3
+
+    variables = (
+        *tank_parameters(),
+        parameter("cells_x", 100, "", "Cells along the tank", min=16, max=2048),
+        parameter("cells_y", 30, "", "Cells over the tank's height", min=16, max=2048),
+        parameter("cfl", 0.5, "1", "Largest Courant number of an internal step", min=0.01, max=0.5),
+        parameter("tolerance", 1e-6, "1", "Largest divergence left, times the internal step", min=1e-12, max=1e-2),
+        parameter("max_step", 2e-3, "s", "Longest internal step", min=1e-7, max=1.0),
+        parameter("wall_slip", False, "", "Walls without friction; baffles have none in either case"),
+        parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3),
+        parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
+        parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
+        parameter("baffle_bottom", 0.0, "1", "Their foot over the tank's height", min=0.0, max=1.0),
+        parameter("baffle_top", 0.5, "1", "Their tip over the tank's height", min=0.0, max=1.0),
+        parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
+        *motion_inputs(LIMITS),
+        *surge_inputs(LIMITS),
+        input_("write_fields", False, "", "Write the fields at the end of this step (or at the start)"),
+        *slosh_outputs(),
+        _force("force_x_tank", "Whole force along the tank, aft"),
+        _force("force_y_tank", "Whole force along the tank's height, up"),
+        _force("force_west", "Force of pressure on the west (fore) wall, along the tank, aft"),
+        _force("force_east", "Force of pressure on the east (aft) wall, along the tank, aft"),
+        output("liquid_volume", "m3", "Volume of the liquid", quantity="Volume", depends=INPUTS),
+        output("wave_height_west", "m", "Liquid column at the west (fore) wall above the still level, tank axes",
+               quantity="Length", depends=INPUTS),
+        output("wave_height_east", "m", "Liquid column at the east (aft) wall above the still level, tank axes",
+               quantity="Length", depends=INPUTS),
+        output("time_step", "s", "Last internal step (0 at the start)", quantity="Time", depends=INPUTS, depends_initially=()),
+        output("steps", "", "Internal steps of the last communication step", type=int, depends=INPUTS, depends_initially=()),
+        output("iterations", "", "Iterations of the pressure in them", type=int, depends=INPUTS),
+        output("residual", "1", "Worst divergence left in them, over the tolerance's limit", depends=INPUTS),
+        output("converged", "", "Whether all of them met the tolerance", type=bool, depends=INPUTS),
+    )  # fmt: skip
+
+    def prepare(self) -> None:
+        """Tank, grid and arrays from the parameters."""
+        if not self.gas_density > 0.0:
+            raise StepError(
+                "gas_density = 0 kg/m3, but the gas moves too. Remedy: above 0; 1e-4 of the liquid's is as good as none"
+            )
+        try:
+            self.tank = Tank(
+                self.tank_length, self.tank_height, self.tank_width, self.fill_level, self.tank_x, self.tank_y,
+                self.liquid_density, self.gravity,
+            )  # fmt: skip
+            baffles = Baffles(self.baffle_count, self.baffle_bottom, self.baffle_top)
+            grid = Grid(self.tank, self.cells_x, self.cells_y, baffles)
+            fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
+            numerics = Numerics(self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip)
+            self.flow = Flow(grid, fluids, numerics)
+        except (TankError, GridError, FlowError) as error:
+            raise StepError(str(error)) from error
+        weight = self.gas_density * (self.tank_height - self.tank.depth) * self.tank_length * self.tank_width * self.gravity
+        self.gas = Load(0.0, -weight, weight * self.tank_x)  # at rest
+
+    def initialize(self) -> None:
+        """Level surface at the initial tilt, or a wave, at rest in the tank; accelerations act at once."""
+        still = self.tank.depth
+        if abs(self.initial_wave) > min(still, self.tank_height - still):
+            raise StepError(
+                f"initial_wave = {self.initial_wave} m leaves the tank of height {self.tank_height} m filled to {still:.6g} m. "
+                "Remedy: give an amplitude that touches neither floor nor roof"
+            )
+        self.motion, self.count = self._motion(), 0
+        rest = constants(self.tank)
+        rest["static_force_y"] += self.gas.force_y
+        rest["static_moment"] += self.gas.moment
+        self.__dict__.update(rest)
+        self._publish(self.flow.start(self.motion, self.initial_wave))
+        self._write(self.time)
+
+    def step(self, time: float, step_size: float) -> None:
+        """Advance along the course between the motions at both ends of the step."""
+        end = self._motion()
+        try:
+            report = self.flow.advance(self.motion, end, step_size)
+        except FlowError as error:
+            raise StepError(str(error)) from error
+        self.motion, self.count = end, self.count + 1
+        self._publish(report)
+        self._write(time + step_size)
+
+    def save(self) -> dict[str, Any]:
+        """Flow, motion at its time and the number of communication steps."""
+        return {"flow": self.flow.save(), "motion": list(self.motion), "count": self.count}
+
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        """Take them back."""
+        self.flow.restore(snapshot["flow"])
+        self.motion, self.count = SectionMotion(*snapshot["motion"]), snapshot["count"]
+
+    def _motion(self) -> SectionMotion:
+        return SectionMotion(*(getattr(self, name) for name in INPUTS))
+
+    def _publish(self, report: StepReport) -> None:
+        flow, loads = self.flow, self.flow.loads(self.motion)
+        self.__dict__.update(loads._asdict())
+        # the structure carries no gas: its weight is static load, its inertia stays in the residual
+        liquid = Load(loads.force_x, loads.force_y - self.gas.force_y, loads.moment - self.gas.moment)
+        self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, self.motion)
+        self.liquid_volume = flow.volume
+        self.wave_height_west, self.wave_height_east = flow.wave_heights
+        self.time_step, self.steps, self.iterations = report.step_size, report.steps, report.iterations
+        self.residual, self.converged = report.residual, bool(report.converged)
+
+    def _write(self, time: float) -> None:
+        if self.write_fields:
+            if not self.field_folder:
+                raise StepError("write_fields is true but field_folder is empty. Remedy: set field_folder to a folder")
+            vtk.write(Path(self.field_folder), self.count, self.flow, self.motion, time)
