@@ -436,3 +436,18 @@ def run(folder: Path) -> Result:
         for at in (1, 7)
     )
     return Result(cpu_seconds, steps, time, total[:, 0], total[:, 1], total[:, 2], viscous)
+
+
+def to_section(position: Array) -> Array:
+    """Motion of the tank's centre (…, 3: surge, heave, theta) as (h, alpha, x) of a section whose axis is the tank's centre.
+
+    The frame here has y up and theta counter-clockwise; a section's plunge h is positive down and alpha nose-up, which with x aft
+    is clockwise. The same holds for rates and accelerations.
+    """
+    surge, heave, theta = np.moveaxis(np.asarray(position, dtype=float), -1, 0)
+    return np.stack([-heave, -theta, surge], axis=-1)
+
+
+def from_section(loads: Array) -> Array:
+    """Loads (…, 3: force_x, force_y, moment nose-up) of a section as (fx, fy, mz counter-clockwise) of this module."""
+    return np.asarray(loads, dtype=float) * np.array([1.0, 1.0, -1.0])
