@@ -1,6 +1,6 @@
 """Slosh in a moving tank, two-phase: cost of a time step, and the same cases by interFoam (OpenFOAM) where it is installed.
 
-Same tank, mesh, motion, simulated time and largest Courant number, one thread each; runs of the two alternate, medians of CPU time.
+Same tank, mesh, motion, simulated time and largest Courant number, one thread each; runs alternate, medians of CPU time.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def motion_of(case: Case) -> Callable[[int], SectionMotion]:
         return lambda k: SectionMotion()
     fine = STEP / 20
     n = math.ceil(case.duration / fine) + 1
-    place: Array = to_section(case.motion.at(fine * np.arange(n + 1)))
+    place: Array = to_section(case.motion.at(np.arange(n + 1, dtype=np.float64) * fine))
     rate = np.gradient(place, fine, axis=0, edge_order=2)
     bend = np.gradient(rate, fine, axis=0, edge_order=2)
     return lambda k: SectionMotion(*(float(a[20 * k, c]) for c in range(3) for a in (place, rate, bend)))
@@ -42,7 +42,7 @@ def motion_of(case: Case) -> Callable[[int], SectionMotion]:
 def ours(case: Case) -> tuple[float, int, int]:
     """March a case; returns CPU seconds, time steps, pressure iterations."""
     motion = motion_of(case)
-    flow = Flow(Grid(TANK, *case.cells))
+    flow = Flow(Grid(TANK, case.cells_x, case.cells_y))
     begin = time.process_time()
     flow.start(motion(0), case.amplitude)
     steps = iterations = 0
@@ -78,7 +78,8 @@ def run() -> None:
                     theirs.append((result.cpu_seconds, result.steps))
             cpu = statistics.median(row[0] for row in mine)
             steps, iterations = mine[0][1], mine[0][2]
-            text = f"  {name}, {mesh[0]}x{mesh[1]}: {cpu:6.2f} s CPU, {1e3 * cpu / steps:.3f} ms a step, {iterations / steps:.1f} iterations"
+            text = f"  {name}, {mesh[0]}x{mesh[1]}: {cpu:.2f} s CPU, {1e3 * cpu / steps:.3f} ms a step"
+            text += f" of {1e3 * case.duration / steps:.2f} ms, {iterations / steps:.1f} iterations"
             if peer:
                 other = statistics.median(row[0] for row in theirs)
                 ratio = other / theirs[0][1] / (cpu / steps)

@@ -20,9 +20,11 @@ def frequency(times: np.ndarray, values: np.ndarray, guess: float) -> tuple[floa
     scale = np.abs(values).max()
 
     def misfit(p: np.ndarray) -> np.ndarray:
-        return np.asarray((p[0] * np.cos(p[1] * times) + p[2] * np.sin(p[1] * times)) * np.exp(-p[3] * times) - values / scale)
+        return np.asarray(
+            (p[0] * np.cos(p[1] * times) + p[2] * np.sin(p[1] * times)) * np.exp(-p[3] * times) + p[4] - values / scale
+        )
 
-    fit = least_squares(misfit, [values[0] / scale, guess, 0.0, 0.0], xtol=1e-12)
+    fit = least_squares(misfit, [values[0] / scale, guess, 0.0, 0.0, 0.0], xtol=1e-12)
     return float(fit.x[1]), float(fit.x[3])
 
 
@@ -31,17 +33,17 @@ def two_fluids(k: float, below: float, above: float, gas: float, sigma: float = 
     return math.sqrt((9.81 * k * (1000.0 - gas) + sigma * k**3) / (1000.0 / math.tanh(k * below) + gas / math.tanh(k * above)))
 
 
-@pytest.mark.parametrize(("fill", "gas"), [(0.5, 1.2), (0.5, 300.0), (0.3, 1.2), (0.8, 1.2)])
-def test_frequency_of_the_first_mode(fill: float, gas: float) -> None:
+@pytest.mark.parametrize(("fill", "gas", "most"), [(0.5, 1.2, 3e-4), (0.3, 1.2, 3e-4), (0.8, 1.2, 5e-4), (0.5, 300.0, 2e-3)])
+def test_frequency_of_the_first_mode(fill: float, gas: float, most: float) -> None:
+    """Gas is carried upwind: the heavier it is or the faster it must move through a thin layer, the more it drags."""
     flow = Flow(Grid(Tank(0.5, 0.15, fill_level=fill), 100, 30), Fluids(gas_density=gas), Numerics(wall_slip=True))
     flow.start(REST, 2e-4)
     times, loads = march(flow, lambda t: REST, 8.0, 0.02)
     theory = two_fluids(math.pi / 0.5, 0.15 * fill, 0.15 * (1 - fill), gas)
-    seen, decay = frequency(times, loads[:, 2] - loads[:, 2].mean(), theory)
+    seen, decay = frequency(times, loads[:, 2], theory)
     print(f"fill {fill}, gas {gas}: {100 * (seen / theory - 1):+.4f} %, decay {decay / theory:.1e}")
-    # half full as asked; gas is carried upwind, and drags the more the deeper or heavier it is
-    assert seen == pytest.approx(theory, rel=3e-4 if (fill, gas) == (0.5, 1.2) else 1e-3)
-    assert 0.0 < decay < (1e-3 if gas < 2.0 else 5e-3) * theory
+    assert seen == pytest.approx(theory, rel=most)
+    assert 0.0 < decay < (5e-4 if gas < 2.0 else 5e-3) * theory
 
 
 def test_second_order_standing_wave() -> None:
