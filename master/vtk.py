@@ -1,9 +1,9 @@
-"""Reads the flow fields that the aero FMU writes: VTK XML structured grids (.vts), inline base64, no compression."""
+"""Reads the fields that the FMUs write: VTK XML structured grids (.vts), inline base64, no compression."""
 
 from __future__ import annotations
 
 import base64
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -16,15 +16,19 @@ TYPES = {"Float32": "f4", "Float64": "f8", "Int32": "i4", "Int64": "i8"}
 
 @dataclass(frozen=True)
 class Field:
-    """x, y: nodes, shape (nj + 1, ni + 1), i around the airfoil and j = 0 on it. cells: name → (nj, ni[, 3])."""
+    """x, y: nodes, shape (nj + 1, ni + 1). cells: name → (nj, ni[, 3]). whole: values of the file, name → (n[, 3]).
+
+    Around an airfoil i goes around it and j = 0 is on it; in a tank i goes aft and j up.
+    """
 
     x: np.ndarray
     y: np.ndarray
     cells: dict[str, np.ndarray]
+    whole: dict[str, np.ndarray] = field(default_factory=dict)
 
     def scaled(self, chord: float, elastic_axis: float) -> Field:
         """Lengths in chords from the leading edge at rest, where the file has metres from the elastic axis."""
-        return Field(self.x / chord + elastic_axis, self.y / chord, self.cells)
+        return Field(self.x / chord + elastic_axis, self.y / chord, self.cells, self.whole)
 
 
 def read(path: Path) -> Field:
@@ -41,9 +45,14 @@ def read(path: Path) -> Field:
             values = _array(element, header, order)
             shape = (nj, ni) if values.size == ni * nj else (nj, ni, -1)
             cells[element.attrib["Name"]] = values.reshape(shape)
+        whole = {}
+        for element in root.findall(".//FieldData/DataArray"):
+            parts = int(element.attrib.get("NumberOfComponents", "1"))
+            values = _array(element, header, order)
+            whole[element.attrib["Name"]] = values.reshape(-1, parts) if parts > 1 else values
     except (ElementTree.ParseError, AttributeError, KeyError, ValueError, OSError) as error:
         raise AeroSloshError(f"The field file cannot be read: {error}", str(path), "rebuild the FMUs: make fmus") from None
-    return Field(points[..., 0], points[..., 1], cells)
+    return Field(points[..., 0], points[..., 1], cells, whole)
 
 
 def _array(element: ElementTree.Element | None, header: int, order: str) -> np.ndarray:

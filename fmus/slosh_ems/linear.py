@@ -36,15 +36,22 @@ class LinearSlosh:
         self.level = tank.gravity / modes.omega**2  # displacement per radian of tilt where the surface is level [m]
         self.lever = tank.centre_y + modes.height  # y_n [m]
         self.fixed_lever = tank.centre_y + modes.fixed_height
-        # reactions on the tank per displacement d and velocity s': force, moment. Shape: (2, modes)
+        # reactions on the tank per displacement and velocity: force, moment. Shape: (2, modes)
         force = modes.mass * modes.omega**2
         damper = 2.0 * modes.mass * modes.omega * damping
-        self._spring = np.stack([force, force * self.lever + modes.mass * tank.gravity])
-        self._damper = np.stack([damper, damper * self.lever])
+        spring = np.stack([force, force * self.lever + modes.mass * tank.gravity])
+        damper = np.stack([damper, damper * self.lever])
+        # … and per imaginary and real part of w, whose combinations displacement and velocity are
+        place, decay = 1.0 / self.oscillators.rate.imag, self.oscillators.rate.real / self.oscillators.rate.imag
+        self._per_imag, self._per_real = spring * place + damper * decay, damper
+        # per tilt, less the springs' reactions where the surface is level
+        tilt = modes.rest_tilt + float(modes.mass @ self.level)
+        weight = np.array([0.0, (tank.mass * tank.centre_y + tilt) * tank.gravity])
+        self._per_tilt = weight - spring @ self.level
+        self._static = static_load(tank)
+        self._mass, self._static_moment = tank.mass, tank.static_moment
         own = modes.fixed_mass * self.fixed_lever**2 + modes.fixed_inertia
         self._turning = own + tank.mass * tank.x**2  # inertia about the elastic axis of all that does not slosh
-        tilt = modes.rest_tilt + float(modes.mass @ self.level)
-        self._tilt = (tank.mass * tank.centre_y + tilt) * tank.gravity
 
     def start(self, motion: SectionMotion) -> Complex:
         """Amplitudes of a level surface in a liquid that moves with the tank."""
@@ -57,17 +64,14 @@ class LinearSlosh:
 
     def load(self, w: Complex, motion: SectionMotion) -> Load:
         """Whole load on the tank."""
-        tank, modes, (_, rest_y, rest_moment) = self.tank, self.modes, static_load(self.tank)
-        waves = self._spring @ self.distance(w, motion) + self._damper @ self.oscillators.velocity(w)
-        side = modes.fixed_mass * motion.x_ddot
-        turn = modes.fixed_mass * self.fixed_lever
-        a = motion.alpha_ddot
+        waves = self._per_imag @ w.imag + self._per_real @ w.real + self._per_tilt * motion.alpha
+        down, turn, aft = motion.h_ddot, motion.alpha_ddot, motion.x_ddot
+        coupling = self.modes.fixed_mass * self.fixed_lever
         return Load(
-            float(waves[0]) - side - turn * a,
-            rest_y + tank.mass * motion.h_ddot + tank.static_moment * a,
-            float(waves[1]) + rest_moment + self._tilt * motion.alpha
-            - tank.static_moment * motion.h_ddot - turn * motion.x_ddot - self._turning * a,
-        )  # fmt: skip
+            float(waves[0]) - self.modes.fixed_mass * aft - coupling * turn,
+            self._static.force_y + self._mass * down + self._static_moment * turn,
+            float(waves[1]) + self._static.moment - self._static_moment * down - coupling * aft - self._turning * turn,
+        )
 
     def distance(self, w: Complex, motion: SectionMotion) -> Array:
         """Displacements d [m] from the level surface, shape (modes,)."""
@@ -75,8 +79,7 @@ class LinearSlosh:
 
     def wave_height(self, w: Complex, motion: SectionMotion) -> float:
         """Surface above its level at rest at the aft wall, along y' [m]; at the fore wall it is the negative."""
-        rise = self.modes.rest_elevation + float(self.modes.elevation @ self.level)
-        return float(self.modes.elevation @ self.distance(w, motion)) + rise * motion.alpha
+        return float(self.modes.elevation @ self.oscillators.displacement(w)) + self.modes.rest_elevation * motion.alpha
 
     def energy(self, w: Complex, motion: SectionMotion) -> float:
         """Energy of the waves, kinetic in tank axes and potential above the level surface [J]."""

@@ -38,8 +38,8 @@ class Numerics:
     """cfl: largest Courant number of a step (at most 1/2); tolerance: largest divergence left, times the step; max_step [s]."""
 
     cfl: float = 0.5
-    tolerance: float = 1e-6
-    max_step: float = 4e-3
+    tolerance: float = 1e-7
+    max_step: float = 5e-3
     max_iterations: int = 200
     wall_slip: bool = False
 

@@ -14,6 +14,9 @@ import numpy as np
 from ..kit.compiled import jit
 from .multigrid import set_up, v_cycle
 
+ROUND_OFF = 2e-15
+"""Residuals below this share of their terms are noise; conjugate gradients that go on lose the solution."""
+
 
 @jit
 def prepare(levels: Any, kx: Any, ky: Any, ke: Any, kn: Any, d: Any, di: Any) -> None:
@@ -29,19 +32,20 @@ def prepare(levels: Any, kx: Any, ky: Any, ke: Any, kn: Any, d: Any, di: Any) ->
 
 
 @jit
-def residual(r: Any, rhs: Any, q: Any, kx: Any, ky: Any, first: int, n: int, s: int) -> float:
-    """r = rhs − A q; returns its largest entry."""
+def residual(r: Any, rhs: Any, q: Any, kx: Any, ky: Any, first: int, n: int, s: int) -> tuple[float, float]:
+    """r = rhs − A q; returns its largest entry and the largest term it is the difference of."""
     out, b, c = r[first : first + n], rhs[first : first + n], q[first : first + n]
     qe, qw = q[first + 1 : first + 1 + n], q[first - 1 : first - 1 + n]
     qn, qs = q[first + s : first + s + n], q[first - s : first - s + n]
     e, w = kx[first : first + n], kx[first - 1 : first - 1 + n]
     north, south = ky[first : first + n], ky[first - s : first - s + n]
-    largest = 0.0
+    largest, size = 0.0, 0.0
     for k in range(n):
         flow = e[k] * (qe[k] - c[k]) + w[k] * (qw[k] - c[k]) + north[k] * (qn[k] - c[k]) + south[k] * (qs[k] - c[k])
         out[k] = b[k] + flow
         largest = max(largest, abs(out[k]))
-    return largest
+        size = max(size, (e[k] + w[k] + north[k] + south[k]) * abs(c[k]) + abs(b[k]))
+    return largest, size
 
 
 @jit
@@ -99,15 +103,16 @@ def solve(q: Any, rhs: Any, kx: Any, ky: Any, limit: float, most: int, levels: A
     """Solve A q = rhs from the guess in q until the largest residual is below limit; in place.
 
     coarse (7, n): level arrays ke, kn, d, di, b, x, scratch in single precision; work (3, n): flat arrays. Returns the
-    iterations taken and the residual left (not finite where it broke down).
+    iterations taken and the residual left over the limit, which is not below round-off (NaN where it broke down).
     """
     ny, s = levels[0, 1], levels[0, 2]
     first, there, n = 2 * s, levels[0, 3] + s, ny * s
     r, p, product = work[0], work[1], work[2]
     ke, kn, d, di, b, x, scratch = coarse[0], coarse[1], coarse[2], coarse[3], coarse[4], coarse[5], coarse[6]
-    left = residual(r, rhs, q, kx, ky, first, n, s)
+    left, size = residual(r, rhs, q, kx, ky, first, n, s)
+    limit = max(limit, ROUND_OFF * size)
     if left <= limit:
-        return 0, left
+        return 0, left / limit
     prepare(levels, kx, ky, ke, kn, d, di)
     before = 1.0
     for iteration in range(1, most + 1):
@@ -116,8 +121,14 @@ def solve(q: Any, rhs: Any, kx: Any, ky: Any, limit: float, most: int, levels: A
         now = left * _inner(r, x, first, there, n)
         _direction(p, x, now / before if iteration > 1 else 0.0, left, first, there, n)
         curvature = _product(product, p, kx, ky, first, n, s)
-        left = _advance(q, r, p, product, now / curvature, first, n)
+        alpha = now / curvature
+        if not np.isfinite(alpha):
+            return iteration, np.nan
+        left = _advance(q, r, p, product, alpha, first, n)
         before = now
-        if left <= limit or not np.isfinite(left):
-            return iteration, left
-    return most, left
+        if iteration % 10 == 0:  # what was updated and what is may part
+            left, size = residual(r, rhs, q, kx, ky, first, n, s)
+            limit = max(limit, ROUND_OFF * size)
+        if left <= limit:
+            return iteration, left / limit
+    return most, left / limit

@@ -8,10 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from ..kit.compiled import jit
 from .grid import Grid
 from .plic import area
 
 Array = NDArray[np.float64]
+
+
+@jit
+def _below(nx: float, ny: float, level: float, columns: Array, rows: Array) -> Array:
+    out = np.empty((rows.size, columns.size))
+    for j in range(rows.size):
+        for i in range(columns.size):
+            out[j, i] = area(nx, ny, level - nx * columns[i] - ny * rows[j])
+    return out
 
 
 def flat(grid: Grid, alpha: float) -> Array:
@@ -19,10 +29,9 @@ def flat(grid: Grid, alpha: float) -> Array:
     # outward normal of the liquid: against gravity, in tank axes
     nx, ny = -np.sin(alpha) * grid.dx, np.cos(alpha) * grid.dy
     columns, rows = np.arange(grid.nx) - 0.5 * grid.nx, np.arange(grid.ny) - 0.5 * grid.ny
-    base = nx * columns[None, :] + ny * rows[:, None]
 
     def shares(level: float) -> Array:
-        return np.array([[area(nx, ny, level - b) for b in row] for row in base])
+        return np.asarray(_below(nx, ny, level, columns, rows))
 
     corners = [nx * i + ny * j for i in (-0.5 * grid.nx, 0.5 * grid.nx) for j in (-0.5 * grid.ny, 0.5 * grid.ny)]
     fill = grid.tank.fill_level

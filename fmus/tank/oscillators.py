@@ -39,6 +39,8 @@ class Oscillators:
             raise ValueError(f"oscillators need omega > 0 and a damping ratio of 0 to {LARGEST_DAMPING}")
         self.omega, self.damping = omega, damping
         self.rate: Complex = omega * (-damping + 1j * np.sqrt(1.0 - damping**2))
+        self._place: Array = 1.0 / self.rate.imag
+        self._decay: Array = self.rate.real / self.rate.imag
         self._propagators: dict[float, tuple[Complex, Complex]] = {}
 
     def amplitude(self, displacement: Array, velocity: Array) -> Complex:
@@ -47,11 +49,11 @@ class Oscillators:
 
     def displacement(self, w: Complex) -> Array:
         """Displacement s [m]."""
-        return w.imag / self.rate.imag
+        return w.imag * self._place
 
     def velocity(self, w: Complex) -> Array:
         """Velocity s' [m/s]."""
-        return w.real + self.rate.real / self.rate.imag * w.imag
+        return w.real + self._decay * w.imag
 
     def advance(self, w: Complex, force: Array, duration: float) -> Complex:
         """Amplitudes after `duration` [s]. force [m/s2]: coefficients of (t/duration)^k, shape (6, n) or (6, 1)."""

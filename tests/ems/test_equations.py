@@ -95,17 +95,26 @@ def test_frequencies_agree_with_finite_elements() -> None:
 # -- as printed --
 
 
-def printed_18b(omega: float, l: float, h_f: float, h: float, inertia: float, terms: int = 200) -> float:
-    """M / (omega² theta) of equation 18b, per kilogram; h is the tank's height where printed so."""
-    r = np.arange(1, terms + 1)
-    q = 2 * r - 1
+def printed_terms() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F(n), 1/2 − G(n) and omega_n² [1/s2] of equations 17 and 18, which are right. Shapes: (200,)."""
+    l, h_f, q = PAPER.length, PAPER.depth, 2 * np.arange(1, 201) - 1
     F = 8 * l * np.tanh(q * np.pi * h_f / l) / (np.pi**3 * q**3.0 * h_f)
     K = 2 * l * np.tanh(q * np.pi * h_f / (2 * l)) / (np.pi * q * h_f)
-    w2 = G * q * np.pi / l * np.tanh(q * np.pi * h_f / l)
-    shape = 0.5 - K + G / (2 * h_f * w2)
-    whole = 0.5 - K + G / (h * w2)
-    total = inertia / h_f**2 + G * l**2 / (12 * h_f**3 * omega**2) + np.sum(F * shape * G / (h_f * w2))
-    return float(h_f**2 * (total + np.sum(F * whole**2 * omega**2 / (w2 - omega**2))))
+    return F, 0.5 - K, G * q * np.pi / l * np.tanh(q * np.pi * h_f / l)
+
+
+def printed_18a(omega: float, h: float = PAPER.height) -> float:
+    """F / (omega² psi) of equation 18a, per kilogram; h is the tank's height in the paper."""
+    l, h_f, (F, place, w2) = PAPER.length, PAPER.depth, printed_terms()
+    return float(h_f * (l**2 / (12 * h_f**2) + np.sum(F * omega**2 / (w2 - omega**2) * (place + G / (h * w2)))))
+
+
+def printed_18b(omega: float, h: float = PAPER.height, first_sum: float = 1.0) -> float:
+    """M / (omega² psi) of equation 18b, per kilogram; the factor of its first sum is printed as 1."""
+    l, h_f, (F, place, w2) = PAPER.length, PAPER.depth, printed_terms()
+    total = lid_inertia(PAPER) / PAPER.mass / h_f**2 + G * l**2 / (12 * h_f**3 * omega**2)
+    total += first_sum * np.sum(F * (place + G / (2 * h_f * w2)) * G / (h_f * w2))
+    return float(h_f**2 * (total + np.sum(F * (place + G / (h * w2)) ** 2 * omega**2 / (w2 - omega**2))))
 
 
 def printed_lid(l: float, h_f: float) -> float:
@@ -120,6 +129,14 @@ def printed_19a(omega: float) -> float:
     m = modes(PAPER, 200)
     lever = m.height * omega**2 + G
     total = m.fixed_mass * m.fixed_height + np.sum(m.mass * lever * m.omega**2 / (m.omega**2 - omega**2))
+    return float(total) / PAPER.mass
+
+
+def printed_19b(omega: float) -> float:
+    """M / (omega² psi) of equation 19b, per kilogram, with the right parameters."""
+    m = modes(PAPER, 200)
+    lever = m.height * omega**2 + G
+    total = m.fixed_inertia + m.fixed_mass * m.fixed_height**2 + np.sum(m.mass * lever**2 * m.omega**2 / (m.omega**2 - omega**2))
     return float(total) / PAPER.mass
 
 
@@ -140,17 +157,12 @@ def cells(row: str) -> list[float]:
     return [float(match.group().replace("−", "-")) for match in found if match]
 
 
-def corrected_18b(omega: float) -> float:
-    return pitch_inertia(PAPER, omega) / PAPER.mass
-
-
 ROWS: dict[str, tuple[Callable[[], float], Callable[[], float]]] = {
-    "18b": (
-        lambda: printed_18b(4.0, PAPER.length, PAPER.depth, PAPER.height, lid_inertia(PAPER) / PAPER.mass),
-        lambda: corrected_18b(4.0),
-    ),
+    "18a": (lambda: printed_18a(4.0), lambda: pitch_force(PAPER, 4.0) / PAPER.mass),
+    "18b": (lambda: printed_18b(4.0), lambda: pitch_inertia(PAPER, 4.0) / PAPER.mass),
     "I_f": (lambda: printed_lid(PAPER.length, PAPER.depth), lambda: lid_inertia(PAPER) / frozen_inertia()),
     "19a": (lambda: printed_19a(4.0), lambda: pitch_force(PAPER, 4.0) / PAPER.mass),
+    "19b": (lambda: printed_19b(4.0), lambda: pitch_inertia(PAPER, 4.0) / PAPER.mass),
     "20a": (lambda: printed_20()[0], lambda: float(modes(PAPER, 1).mass[0]) / PAPER.mass),
     "20b": (lambda: printed_20()[1], lambda: float(modes(PAPER, 1).stiffness[0]) / PAPER.mass),
     "20c": (lambda: printed_20()[2], lambda: float(modes(PAPER, 1).height[0])),
@@ -168,17 +180,11 @@ def test_table_of_the_page_is_what_the_equations_give(row: str) -> None:
     assert abs(printed / corrected - 1.0) > 0.01
 
 
-def test_printed_18b_becomes_right_by_a_factor_two_and_the_depth() -> None:
-    """The first sum doubled, the tank's height replaced by the depth: the finite-element value."""
-    l, h_f, omega = PAPER.length, PAPER.depth, 4.0
-    inertia = lid_inertia(PAPER) / PAPER.mass
-    once = printed_18b(omega, l, h_f, h_f, inertia)
-    r = 2 * np.arange(1, 201) - 1
-    w2 = G * r * np.pi / l * np.tanh(r * np.pi * h_f / l)
-    F = 8 * l * np.tanh(r * np.pi * h_f / l) / (np.pi**3 * r**3.0 * h_f)
-    K = 2 * l * np.tanh(r * np.pi * h_f / (2 * l)) / (np.pi * r * h_f)
-    again = h_f**2 * float(np.sum(F * (0.5 - K + G / (2 * h_f * w2)) * G / (h_f * w2)))
-    assert once + again == pytest.approx(solve(PAPER, omega)[2] / PAPER.mass, rel=1e-5)
+def test_printed_18_becomes_right_by_the_depth_and_a_factor_two() -> None:
+    """The tank's height replaced by the depth, the first sum of the moment doubled: the finite-element values."""
+    _, force, inertia = solve(PAPER, 4.0)
+    assert printed_18a(4.0, PAPER.depth) == pytest.approx(force / PAPER.mass, rel=1e-5)
+    assert printed_18b(4.0, PAPER.depth, 2.0) == pytest.approx(inertia / PAPER.mass, rel=1e-5)
 
 
 def test_the_thin_layer_tells_the_power_of_pi_in_the_lid_inertia() -> None:

@@ -102,19 +102,23 @@ def test_motion_of_the_masses_agrees_with_newton_in_inertial_axes(steps: int, da
     np.testing.assert_allclose(model.oscillators.velocity(w), v_end, rtol=0.0, atol=1e-9 * np.abs(v_end).max())
 
 
-def test_load_is_that_of_the_accelerated_masses() -> None:
-    model = slosh(ParametricSlosh, 5, 0.05)
+@pytest.mark.parametrize("limit", ["low", "high"])
+def test_load_is_that_of_the_accelerated_masses(limit: str) -> None:
+    """Modes on their tracks, the fixed mass; what is left out in the limit "high" hangs in the tank by vertical forces alone."""
+    model = slosh(ParametricSlosh, 5, 0.05, limit)
     s, v = np.array([0.03, -0.01, 4e-3, 2e-3, -1e-3]), np.array([0.1, 0.05, -0.04, 0.02, 0.01])
     t = 0.6
     m, p = motion(t), model.modes
     _, place, acceleration = newton(model, t, np.concatenate([s, v]), 0.05)
     # the fixed mass, at rest on the wing
     Q, Q_a = turn(m.alpha)
-    r = np.array([[TANK.x], [TANK.centre_y + p.fixed_height]])
+    r = np.array([[TANK.x, TANK.x], [TANK.centre_y + p.fixed_height, TANK.centre_y + p.rest_height]])
     fixed = np.array([[m.x_ddot], [-m.h_ddot]]) + Q_a @ r * m.alpha_ddot - Q @ r * m.alpha_dot**2
     place, acceleration = np.hstack([Q @ r, place]), np.hstack([fixed, acceleration])
-    mass = np.append(p.fixed_mass, p.mass)
+    mass = np.concatenate([[p.fixed_mass, p.rest_mass], p.mass])
     force = -mass * (acceleration + np.array([[0.0], [G]]))
+    force[0, 1] = 0.0
+    assert (p.rest_mass > 0.0) == (limit == "high")
     moment = float(np.sum(place[1] * force[0] - place[0] * force[1])) - p.fixed_inertia * m.alpha_ddot
     moment += p.rest_tilt * G * math.sin(m.alpha)
     load = model.load(model.oscillators.amplitude(s, v), m)
@@ -215,6 +219,33 @@ def test_waves_grow_where_the_mathieu_equation_says(detuning: float, grows: bool
     rate = math.log(np.abs(np.linalg.eigvals(np.array(columns).T / small)).max()) / (40 * step)
     assert (rate > 0.0) == grows
     assert rate == pytest.approx(floquet(omega, size, drive, damping), abs=1e-7 * omega)
+
+
+@pytest.mark.parametrize(
+    ("omega", "plunge", "pitch_deg", "share"),
+    [(100.0, 3e-4, 0.2, 0.006), (100.0, 1e-3, 0.2, 0.025), (100.0, 2e-3, 0.5, 0.072), (6.28, 0.0746, 0.5, 0.244)],
+)
+def test_changing_gravity_matters_near_the_slosh_frequencies(omega: float, plunge: float, pitch_deg: float, share: float) -> None:
+    """Share of force_x, rms, that changes with gravity; centred tank, smooth start of two cycles, eight modes."""
+    tank, step = Tank(length=0.5, height=0.15), 2.0 * math.pi / omega / 72
+    # growth s³ (10 − 15 s + 6 s²) with its derivatives, over two cycles, by polynomial arithmetic
+    grow = np.polynomial.Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])(np.polynomial.Polynomial([0.0, omega / (4.0 * math.pi)]))
+
+    def way(t: float) -> SectionMotion:
+        f = [float(grow.deriv(k)(t)) for k in range(3)] if t * omega < 4.0 * math.pi else [1.0, 0.0, 0.0]
+        s, c = math.sin(omega * t), omega * math.cos(omega * t)
+        wave = (f[0] * s, f[1] * s + f[0] * c, f[2] * s + 2.0 * f[1] * c - f[0] * omega**2 * s)
+        return SectionMotion(*(size * value for size in (plunge, math.radians(pitch_deg)) for value in wave))
+
+    forces = []
+    for kind in (LinearSlosh, ParametricSlosh):
+        model = kind(tank, modes(tank, 8), np.full(8, 0.005))
+        w, rows = model.start(way(0.0)), []
+        for i in range(72 * (30 if omega > 50.0 else 4)):
+            w = model.advance(w, course(way(i * step), way((i + 1) * step), step), step)
+            rows.append(model.load(w, way((i + 1) * step)).force_x)
+        forces.append(np.array(rows))
+    assert float(np.std(forces[1] - forces[0]) / np.std(forces[1])) == pytest.approx(share, rel=0.1)
 
 
 def test_lost_surfaces_are_clear_errors() -> None:

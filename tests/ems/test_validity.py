@@ -77,6 +77,19 @@ def test_resonance_output_is_the_tongue_of_the_damped_mathieu_equation(wave: int
     assert np.argmax(seen) == wave - 1
 
 
+def test_pitch_of_a_tank_off_the_axis_counts_as_its_plunge() -> None:
+    """Nose-up about an axis ahead of the tank lets it fall."""
+    one, step, omega = gate(), 0.05, 2.0 * float(OMEGA[0])
+    Y = [one.start(), one.start(), one.start()]
+    for i in range(100):
+        for k, (plunge, pitch) in enumerate(((1.0, 0.0), (0.0, 1.0 / 0.7), (1.0, -1.0 / 0.7))):
+            ends = [SectionMotion(h_ddot=plunge * math.sin(omega * t), alpha_ddot=pitch * math.sin(omega * t))
+                    for t in (i * step, (i + 1) * step)]  # fmt: skip
+            Y[k] = one.advance(Y[k], course(*ends, step), step)
+    np.testing.assert_allclose(Y[1], Y[0], rtol=1e-12)
+    np.testing.assert_allclose(Y[2], 0.0, atol=1e-12)
+
+
 def test_resonance_output_stays_low_elsewhere_and_where_gravity_is_steady() -> None:
     assert watched(gate(), 0.06, 1.3 * float(OMEGA[-1]) * 2.0, 150).max() < 0.3
     steady = SectionMotion(h_ddot=-0.5 * G)

@@ -51,7 +51,7 @@ def test_long_steps_at_low_speed_are_divided(fmu: Fmu, host: Host) -> None:
 
 
 def test_two_hundred_instances(fmu: Fmu, host: Host) -> None:
-    assert host("aero_many", str(fmu("aero")), 200) == 200
+    assert host("many_flows", str(fmu("aero")), 200, {"cells_around": 64, "cells_normal": 16}) == 200
 
 
 @pytest.mark.parametrize(

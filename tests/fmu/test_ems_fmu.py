@@ -114,6 +114,15 @@ def test_communication_steps_do_not_matter(fmu: Fmu, host: Host) -> None:
 
 
 @pytest.mark.parametrize("parametric", [False, True])
+@pytest.mark.parametrize("count", [8, 100])
+def test_cost(fmu: Fmu, host: Host, count: int, parametric: bool) -> None:
+    """Printed with -s; a bound ten times above what was seen, for slow machines."""
+    cost = host("slosh_cost", str(fmu("slosh_ems")), {"modes": count, "parametric": parametric}, 8.7e-4, 400)
+    print(f"{count} modes, {'parametric' if parametric else 'linear'}: {cost:.0f} µs a step through FMI")
+    assert cost < (4000 if parametric else 1000)
+
+
+@pytest.mark.parametrize("parametric", [False, True])
 def test_rollback_and_restart_in_a_new_process_are_exact_to_the_bit(
     fmu: Fmu, host: Host, tmp_path: Path, parametric: bool
 ) -> None:
