@@ -15,6 +15,7 @@ from .grid import Grid
 from .multigrid import plan
 from .plic import fill_ghosts, reconstruct, surface
 from .surface import flat, from_heights
+from .wall_layer import memory
 
 Array = NDArray[np.float64]
 
@@ -35,13 +36,17 @@ class Fluids:
 
 @dataclass(frozen=True)
 class Numerics:
-    """cfl: largest Courant number of a step (at most 1/2); tolerance: largest divergence left, times the step; max_step [s]."""
+    """cfl: largest Courant number of a step (at most 1/2); tolerance: largest divergence left, times the step; max_step [s].
+
+    wall_slip: no friction on walls; wall_layer: friction of the laminar layer where cells are too thick for it (`wall_layer`).
+    """
 
     cfl: float = 0.5
     tolerance: float = 1e-7
     max_step: float = 5e-3
     max_iterations: int = 200
     wall_slip: bool = False
+    wall_layer: bool = False
 
 
 class Loads(NamedTuple):
@@ -76,7 +81,8 @@ class Flow:
         self.numbers = step.Numbers(
             grid.nx, grid.ny, grid.dx, grid.dy, tank.density, fluids.gas_density, fluids.liquid_viscosity, fluids.gas_viscosity,
             fluids.surface_tension, tank.gravity, numerics.cfl, numerics.tolerance, longest, numerics.max_iterations,
-            numerics.wall_slip)  # fmt: skip
+            numerics.wall_slip,
+            numerics.wall_layer and not numerics.wall_slip and fluids.liquid_viscosity > 0.0)  # fmt: skip
         levels, length = plan(grid.nx, grid.ny, grid.dx, grid.dy)
         self.places = step.Places(grid.x, grid.y, grid.open_x, grid.open_y, levels)
         self.plates = np.array(grid.plates, dtype=np.int64).reshape(-1, 3)
@@ -84,6 +90,7 @@ class Flow:
         self.work = np.zeros((step.WORK_ROWS, grid.size))
         self.coarse = np.zeros((7, length), dtype=np.float32)
         self.surface = surface(grid.nx, grid.ny)
+        self.layers = memory(grid.nx, grid.ny)
         self.notes = np.zeros(step.NOTES)
         self.frame = np.zeros(5)
         self.shared = False
@@ -106,6 +113,7 @@ class Flow:
         n, work = self.numbers, self.work
         self.state = np.zeros_like(self.state)
         self.work[:] = 0.0
+        self.layers[:] = 0.0
         self.shared = False
         c = self.state[step.C]
         self.grid.inner(c)[:] = fractions
@@ -114,14 +122,11 @@ class Flow:
         work[step.OLD_RHO] = n.gas_density + (n.liquid_density - n.gas_density) * c
         step.frame_force(course(motion, motion, 1.0), 1.0, n.gravity, self.frame)
         iterations, residual = step.accelerate(
-            self.state, work, self.coarse, self.surface, self.frame, self.places, n, n.max_step,
+            self.state, work, self.coarse, self.surface, self.layers, self.frame, self.places, n, n.max_step,
             min(1e-3 * n.tolerance, 1e-9))  # fmt: skip
-        for row, face, width in ((step.AX, step.KX, n.dy), (step.AY, step.KY, n.dx)):
-            ahead = 1 if row == step.AX else self.grid.stride
-            slope = np.zeros_like(c)
-            slope[:-ahead] = np.diff(self.state[step.Q].reshape(1, -1), axis=1)[0] if ahead == 1 else (
-                self.state[step.Q][ahead:] - self.state[step.Q][:-ahead])  # fmt: skip
-            self.state[row] -= work[face] * slope / width
+        q = self.state[step.Q]
+        for row, face, width, ahead in ((step.AX, step.KX, n.dy, 1), (step.AY, step.KY, n.dx, self.grid.stride)):
+            self.state[row, :-ahead] -= work[face, :-ahead] * (q[ahead:] - q[:-ahead]) / width
         self.state[step.Q_BEFORE] = self.state[step.Q]
         self.notes[:] = 0.0
         return StepReport(0, 0.0, iterations, True, residual)
@@ -132,8 +137,9 @@ class Flow:
             self.state, self.shared = self.state.copy(), False
         table = course(start, end, duration)
         with np.errstate(all="ignore"):
-            outcome = step.advance(self.state, self.work, self.coarse, self.surface, self.notes, table, duration, self.places,
-                                   self.numbers)  # fmt: skip
+            outcome = step.advance(
+                self.state, self.work, self.coarse, self.surface, self.layers, self.notes, table, duration, self.places,
+                self.numbers)  # fmt: skip
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:
@@ -199,6 +205,7 @@ class Flow:
         self.notes = self.notes.copy()
         return {
             "state": self.state,
+            "layers": self.layers.copy(),
             "density": self.work[step.RHO].copy(),
             "shear": self.work[step.TAU].copy(),
             "notes": self.notes.copy(),
@@ -208,6 +215,7 @@ class Flow:
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take back what `save` returned."""
         self.state, self.shared = snapshot["state"], True
+        self.layers = snapshot["layers"].copy()
         self.work[step.RHO] = snapshot["density"]
         self.work[step.OLD_RHO] = snapshot["density"]
         self.work[step.TAU] = snapshot["shear"]

@@ -39,6 +39,7 @@ class SloshVof(Slave):
         parameter("tolerance", Numerics.tolerance, "1", "Largest divergence left, times the internal step", min=1e-12, max=1e-2),
         parameter("max_step", Numerics.max_step, "s", "Longest internal step", min=1e-7, max=1.0),
         parameter("wall_slip", False, "", "Walls without friction; baffles have none in either case"),
+        parameter("wall_layer", False, "", "Friction of the laminar layer where cells are too thick to hold it"),
         parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3),
         parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
         parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
@@ -79,7 +80,7 @@ class SloshVof(Slave):
             baffles = Baffles(self.baffle_count, self.baffle_bottom, self.baffle_top)
             grid = Grid(self.tank, self.cells_x, self.cells_y, baffles)
             fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
-            numerics = Numerics(self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip)
+            numerics = Numerics(self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer)
             self.flow = Flow(grid, fluids, numerics)
         except (TankError, GridError, FlowError) as error:
             raise StepError(str(error)) from error

@@ -20,6 +20,7 @@ from .curvature import curvature
 from .forces import interface_forces
 from .momentum import component, mirror, shear, wall_ghosts
 from .pressure import solve
+from .wall_layer import wall_shear
 
 C, U, V, AX, AY, Q, Q_BEFORE = range(7)
 STATE_ROWS = 7
@@ -53,6 +54,7 @@ class Numbers(NamedTuple):
     max_step: float
     most_iterations: int
     slip: bool
+    layer: bool
 
 
 @argument
@@ -172,7 +174,7 @@ def _extrapolate(q: Any, before: Any, ratio: float, n: int) -> None:
 
 
 @jit
-def accelerate(state: Any, work: Any, coarse: Any, surface: Any, frame: Any, places: Any, p: Any,
+def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, frame: Any, places: Any, p: Any,
                dt: float, tolerance: float) -> tuple[int, float]:  # fmt: skip
     """Acceleration and pressure at the time of the volume fractions in `state`.
 
@@ -190,6 +192,8 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, frame: Any, pla
     mirror(liquid, nx, ny)
     wall_ghosts(u, v, nx, ny, p.slip)
     shear(tau, u, v, mu, dx, dy, nx, ny, p.slip)
+    if p.layer:
+        wall_shear(tau, u, v, state[C], layers, p.liquid_density, p.liquid_viscosity, dx, dy, nx, ny, dt)
     force = (frame[0] + 0.5 * dx * frame[3], frame[3], -frame[2], -2.0 * frame[4])
     component(ax, u, v, places.open_x, old, rho, work[MASS_X], work[MASS_Y], liquid, mu, tau, places.x, places.y, force, dt, dx,
               dy, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, 1, s)  # fmt: skip
@@ -211,7 +215,7 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, frame: Any, pla
 
 
 @jit
-def advance(state: Any, work: Any, coarse: Any, surface: Any, notes: Any, course: Any, duration: float,
+def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes: Any, course: Any, duration: float,
             places: Any, p: Any) -> int:  # fmt: skip
     """Advance the flow by `duration` [s] in a frame that follows `course`; in place. Returns OK or what went wrong.
 
@@ -251,7 +255,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, notes: Any, course
         done = duration if parts == 1 else done + dt
         frame_force(course, done / duration, p.gravity, frame)
         _extrapolate(state[Q], state[Q_BEFORE], dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0, state.shape[1])
-        iterations, residual = accelerate(state, work, coarse, surface, frame, places, p, dt, p.tolerance)
+        iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance)
         if not math.isfinite(residual):
             return NOT_FINITE
         fastest = _project(state[AX], state[U], work[U_HALF], state[Q], work[KX], dy, dt, first, n, 1) / dx

@@ -13,6 +13,7 @@ from fmus.slosh_vof.flow import Flow, Fluids, Numerics
 from fmus.slosh_vof.grid import Grid
 from fmus.slosh_vof.surface import from_heights
 from fmus.tank.liquid import Tank
+from fmus.tank.modes import modes, stokes_damping
 
 
 def frequency(times: np.ndarray, values: np.ndarray, guess: float) -> tuple[float, float]:
@@ -44,6 +45,28 @@ def test_frequency_of_the_first_mode(fill: float, gas: float, most: float) -> No
     print(f"fill {fill}, gas {gas}: {100 * (seen / theory - 1):+.4f} %, decay {decay / theory:.1e}")
     assert seen == pytest.approx(theory, rel=most)
     assert 0.0 < decay < (5e-4 if gas < 2.0 else 5e-3) * theory
+
+
+@pytest.mark.parametrize(("cells", "viscosity"), [((50, 16), 1e-6), ((100, 30), 1e-6), ((50, 16), 5e-6)])
+def test_damping_of_walls(cells: tuple[int, int], viscosity: float) -> None:
+    """Laminar layers damp the first mode and slow it as much (Landau and Lifshitz, Fluid Mechanics, section 25).
+
+    With the wall layer most of it is there on any grid, on the grid alone much less.
+    """
+    tank = Tank(0.5, 0.15)
+    omega = modes(tank, 1).omega
+    theory = float(stokes_damping(tank, omega, viscosity)[0])
+    seen = []
+    for layer in (True, False):
+        flow = Flow(Grid(tank, *cells), Fluids(gas_density=0.1, liquid_viscosity=viscosity), Numerics(wall_layer=layer))
+        flow.start(REST, 2e-4)
+        times, loads = march(flow, lambda t: REST, 8.0, 0.02)
+        found, decay = frequency(times, loads[:, 2], float(omega[0]))
+        seen.append((decay / found, 1.0 - found / omega[0]))
+    print(f"{cells}, {viscosity}: theory {theory:.5f}, layer {seen[0][0]:.5f} slower {seen[0][1]:.5f}, grid {seen[1][0]:.5f}")
+    assert 0.8 * theory < seen[0][0] < 1.05 * theory
+    assert 0.6 * theory < seen[0][1] < 1.7 * theory
+    assert seen[1][0] < 0.8 * seen[0][0]
 
 
 def test_second_order_standing_wave() -> None:
