@@ -129,7 +129,7 @@ class Flow:
             self.state[row, :-ahead] -= work[face, :-ahead] * (q[ahead:] - q[:-ahead]) / width
         self.state[step.Q_BEFORE] = self.state[step.Q]
         self.notes[:] = 0.0
-        return StepReport(0, 0.0, iterations, True, residual)
+        return StepReport(0, 0.0, iterations, residual <= 1.0, residual)
 
     def advance(self, start: SectionMotion, end: SectionMotion, duration: float) -> StepReport:
         """March from one motion to another over `duration` [s]. Raises FlowError where the flow cannot be advanced."""

@@ -1,10 +1,11 @@
 """Friction on walls from the laminar layer that cells are too thick to hold.
 
-A wall that the liquid slides along with U(t) at distance y drags it with τ/ρ = ∫ K(t − s) U'(s) ds. For a layer between the wall
-and a cell's centre, driven by the same pressure as the flow outside, K(t) = ν/y (1 + 2 Σ exp(−n² π² ν t/y²)) (heat conduction in
-a slab: Carslaw and Jaeger, Conduction of Heat in Solids, 2nd ed. 1959, section 3.5): sqrt(ν/(π t)) at first, which gives Stokes'
-oscillating layer, ν/y in the end. The sum is replaced by an integral over decay rates and that by one over rates spaced by a
-factor of four, each with a memory that is advanced exactly. For layers thinner than half a cell; thicker ones the grid holds itself.
+A wall that the liquid slides along with U(t) at distance y drags it with τ/ρ = ∫ K(t − s) U'(s) ds. For a layer between the
+wall and a cell's centre, driven by the same pressure as the flow outside, K(t) = ν/y (1 + 2 Σ exp(−n² π² ν t/y²)) (heat
+conduction in a slab: Carslaw and Jaeger, Conduction of Heat in Solids, 2nd ed. 1959, section 3.5): sqrt(ν/(π t)) at first,
+which gives Stokes' oscillating layer, ν/y in the end. The sum is replaced by an integral over decay rates and that by one over
+rates spaced by a factor of four, each with a memory that is advanced exactly. For layers thinner than half a cell; thicker ones
+the grid holds itself.
 
 Gas has no memory: its friction does not count. Rows of `memory`: u faces along the floor, v faces along the west wall, u faces
 along the roof, v faces along the east wall, nx + ny + nx + ny in all; columns: the memories and the last velocity.
