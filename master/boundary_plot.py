@@ -13,6 +13,7 @@ from master.boundary import BoundaryPoint
 from master.linear import LinearCrossing
 from master.plots import BLUE, GREEN, GREY, RED, STYLE, plt
 from master.search import Crossing
+from master.slosh import LABEL
 
 NEAR = 0.45  # crossings of neighbouring Mach numbers further apart than this in ln V_f and ln frequency are not joined
 COLORS = {"onset": BLUE, "recovery": GREEN}
@@ -47,13 +48,15 @@ def _distance(a: Found, b: Found) -> float:
     return math.hypot(math.log(b.V_f / a.V_f), frequency)
 
 
-def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None) -> None:
+def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None, slosh: str = "none") -> None:
     """Neutral V_f with error bars, the linear model's as thin lines, every march as a dot, published points; frequency below."""
     points = sorted(points, key=lambda p: p.mach)
     with plt.rc_context(STYLE):
         figure, (top, low) = plt.subplots(
             2, 1, figsize=(7.4, 7.4), sharex=True, gridspec_kw={"height_ratios": [2.2, 1.0]}, constrained_layout=True
         )
+        liquid = f", {LABEL[slosh]}" if slosh != "none" else ""
+        frozen = ", frozen liquid" if slosh != "none" else ""  # what the linear model carries, whatever the slosh model
         for grows, color, label in ((False, GREEN, "march: damped"), (True, RED, "march: growing")):
             dots = [(p.mach, s.V_f) for p in points for s in p.samples if s.known and (s.growth_rate > 0) is grows]
             if dots:
@@ -75,20 +78,20 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None)
                 continue
             mach, value, error, frequency = (np.array(column) for column in zip(*found, strict=True))
             style = {"fmt": mark, "color": COLORS[direction], "mfc": "white", "mew": 1.3, "ms": 5.5, "zorder": 3}
-            top.errorbar(mach, value, yerr=2.0 * error, capsize=3, label=f"{direction}, marched (± 2 standard)", **style)
+            top.errorbar(mach, value, yerr=2.0 * error, capsize=3, label=f"{direction}{liquid}, marched (± 2 standard)", **style)
             low.errorbar(mach, frequency, **style)
         missed = [(p.mach, q.crossing.V_f) for p in points for q in p.predictions if q.state == "contradicted"]
         if missed:
             top.plot(*zip(*missed, strict=True), "x", color=RED, ms=6, label="linear, not confirmed", zorder=3)
         for direction, color in COLORS.items():
             if any(c.direction == direction for _, cs in linear for c in cs):
-                top.plot([], [], "-", color=color, lw=0.8, label=f"{direction}, linear model")
+                top.plot([], [], "-", color=color, lw=0.8, label=f"{direction}{frozen}, linear model")
         if reference is not None:
             _published(top, reference, points[0].mach - 0.05, points[-1].mach + 0.05)
         top.set_ylabel("flutter speed index $V_f = U/(b\\,\\omega_\\alpha\\sqrt{\\mu})$")
         low.set_ylabel("$\\omega/\\omega_\\alpha$")
         low.set_xlabel("Mach number")
-        top.set_title("Neutral $V_f$: growing above an onset, damped above a recovery")
+        top.set_title(f"Neutral $V_f${liquid}: growing above an onset, damped above a recovery")
         top.margins(y=0.08)
         top.set_xlim(points[0].mach - 0.01, points[-1].mach + 0.01)
         top.legend(loc="best", fontsize=8)

@@ -99,7 +99,7 @@ class Flutter:
 class Coupling:
     """How one step couples the components."""
 
-    scheme: str = key("gauss-seidel", "gauss-seidel or implicit", choices=["gauss-seidel", "implicit"])
+    scheme: str = key("gauss-seidel", "gauss-seidel, implicit or jacobi", choices=["gauss-seidel", "implicit", "jacobi"])
     predictor_order: int = key(1, "order of the extrapolation of lagged inputs", low=0, high=2)
     tolerance: float = key(1e-6, "implicit: change of a coupled input / its magnitude", above=0.0, high=0.1)
     max_iterations: int = key(12, "implicit: most passes a step", low=1, high=1000)
@@ -132,9 +132,35 @@ class Boundary:
 
 @dataclass
 class Slosh:
-    """The fuel tank's model."""
+    """The fuel tank and the model of its liquid. Tank and liquid go by the names of the slosh FMUs' parameters; the keys
+    below them belong to one model, and "auto" leaves the FMU's own value."""
 
-    model: str = key("none", "none (the others come with their FMUs)", choices=["none"])
+    model: str = key("none", "none (dry), frozen, ems, rbf or vof", choices=["none", "frozen", "ems", "rbf", "vof"])
+    split: str = key(
+        "frozen",
+        "frozen: the structure carries the frozen liquid and takes the residual loads; none: it takes the whole loads",
+        choices=["frozen", "none"],
+    )
+    tank_length: float = key(0.5, "length of the tank along the chord", "m", above=0.0)
+    tank_height: float = key(0.15, "height of the tank", "m", above=0.0)
+    tank_width: float = key(1.0, "width along the span; 1 = loads per metre of span", "m", above=0.0)
+    fill_level: float = key(0.5, "depth of the liquid over the tank's height", above=0.0, high=1.0)
+    tank_x: float = key(0.0, "centre of the tank aft of the elastic axis", "m", low=-1000.0, high=1000.0)
+    tank_y: float = key(0.0, "centre of the tank above the elastic axis", "m", low=-1000.0, high=1000.0)
+    liquid_density: float = key(1000.0, "density of the liquid", "kg/m3", above=0.0)
+    gas_density: float = key(1.2, "density of the gas above it", "kg/m3", low=0.0)
+    liquid_viscosity: float = key(1e-6, "kinematic viscosity of the liquid", "m2/s", low=0.0)
+    gas_viscosity: float = key(1.48e-5, "kinematic viscosity of the gas", "m2/s", low=0.0)
+    gravity: float = key(9.81, "gravity", "m/s2", above=0.0)
+    modes: int | str = key("auto", "ems: modes that slosh", low=1, high=400, choices=["auto"])
+    damping_ratio: float | str = key(
+        "auto", "ems: damping ratio of every mode; 0: from the viscosity", low=0.0, high=0.9, choices=["auto"]
+    )
+    parametric: bool | str = key("auto", "ems: gravity of the moment and finite angles", choices=["auto"])
+    cells_x: int | str = key("auto", "vof: cells along the tank", low=16, high=2048, choices=["auto"])
+    cells_y: int | str = key("auto", "vof: cells over its height", low=16, high=2048, choices=["auto"])
+    wall_slip: bool | str = key("auto", "vof: walls without friction", choices=["auto"])
+    surface_tension: float | str = key("auto", "vof: surface tension", "N/m", low=0.0, choices=["auto"])
 
 
 @dataclass

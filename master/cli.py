@@ -1,4 +1,5 @@
-"""The command `aeroslosh`: `point` marches one V_f, `boundary` finds the neutral V_f of several Mach numbers."""
+"""The command `aeroslosh`: `point` marches one V_f, `boundary` finds the neutral V_f of several Mach numbers, `drive` runs one
+FMU alone, `animate` draws the liquid in a tank."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import confirm, drive, flutter, outcome
+from master import confirm, drive, flutter, outcome, slosh
 from master.boundary import BoundaryPoint, Marcher, boundary
 from master.case import Case
 from master.component import Component
@@ -71,15 +72,18 @@ def run(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     if options.command == "drive":
         return drive_command(options)
+    if options.command == "animate":
+        return animate_command(options)
     case = cases.load(options.case, options.set)
     if options.slosh is not None:
         cases.apply_override(case, f"slosh.model={options.slosh}")
     if options.no_pictures:
         case.output.pictures = case.output.fields = False
     progress = Progress(options.quiet or options.json)
-    fmus = find_fmus(options.fmus)
+    fmus = find_fmus(options.fmus, case.slosh.model)
     command = point if options.command == "point" else boundary_command
-    target = options.out or Path("runs") / f"{case.name}_{options.command}"
+    liquid = f"_{options.slosh}" if options.slosh is not None else ""
+    target = options.out or Path("runs") / f"{case.name}_{options.command}{liquid}"
     with RunFolder(target) as folder:
         return command(case, fmus, options, folder, progress)
 
@@ -95,10 +99,15 @@ def drive_command(options: argparse.Namespace) -> int:
         raise AeroSloshError("There is no such FMU", str(options.fmu), "build the FMUs with `make fmus`")
     component = Component(options.fmu, options.fmu.stem)
     drive.set_parameters(component, options.set)
-    columns = drive.run(component, table)
     target = options.out or options.input.with_name(f"{options.input.stem}_{options.fmu.stem}.csv")
+    if options.fields is not None and options.fields < 1:
+        raise AeroSloshError(f"--fields {options.fields}", "command line", "a number of rows, at least 1")
+    folder = drive.prepare_fields(component, target.parent / "fields") if options.fields else None
+    columns = drive.run(component, table, options.fields or 0)
     drive.write(target, columns)
     files = [str(target)]
+    if folder is not None:
+        files.append(os.path.relpath(folder))
     if not options.no_pictures:
         picture = target.with_suffix(".png")
         drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
@@ -108,6 +117,22 @@ def drive_command(options: argparse.Namespace) -> int:
         print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files}))
     else:
         print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
+    return ExitCode.OK
+
+
+def animate_command(options: argparse.Namespace) -> int:
+    """Pictures and an animation of the liquid in a tank."""
+    from master import animation  # matplotlib takes half a second to import
+
+    fields = animation.find(options.folder)
+    out = options.out or options.folder / "animation.gif"
+    files = animation.animate(fields, out, options.fps, out.with_suffix("") if options.pictures else None)
+    if options.json:
+        print(json.dumps({"frames": len(fields), "files": [str(path) for path in files]}))
+    else:
+        print(
+            f"{len(fields)} frames\n  {files[0]}" + (f"\n  {len(files) - 1} pictures in {files[1].parent}" if files[1:] else "")
+        )
     return ExitCode.OK
 
 
@@ -124,7 +149,7 @@ def point(case: Case, fmus: dict[str, Path], options: argparse.Namespace, folder
         fields = folder.path / "fields"
         fields.mkdir()
     with FlutterRig(case, fmus, mach, fields, lambda text: _say(text, folder, progress)) as rig:
-        about = provenance({c.name: c.sha256 for c in rig.system.components})
+        about = provenance(rig.hashes())
         for loop in rig.system.loops:
             folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
         _say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
@@ -168,7 +193,7 @@ def boundary_command(
     def marcher_at(mach: float) -> tuple[Marcher, Any]:
         rig = open_rig(case, mach)
         rigs[mach] = rig
-        hashes.update({c.name: c.sha256 for c in rig.system.components})
+        hashes.update(rig.hashes())
 
         def marcher(V_f: float) -> flutter.March:
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
@@ -204,8 +229,9 @@ def boundary_command(
         strategy,
     )
     folder.keep()
-    rows = [outcome.point_data(p) for p in points]
+    rows = [{"slosh": case.slosh.model} | outcome.point_data(p) for p in points]
     data: dict[str, Any] = {
+        "slosh": case.slosh.model,
         "points": rows,
         "cost": {
             "wall_seconds": clock.perf_counter() - begin[0],
@@ -215,13 +241,14 @@ def boundary_command(
     if case.output.pictures:
         from master import boundary_plot
 
-        boundary_plot.draw(points, folder.path / "boundary.png", PUBLISHED if case.name.startswith("isogai_a") else None)
+        published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
+        boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
     folder.write_result(data | {"provenance": provenance(hashes)})
     summary = outcome.boundary_summary(rows)
     folder.log("\n" + summary)
     cost = data["cost"]
     spent = f"{cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU"
-    text = f"Flutter boundary of {case.name}\n{summary}\n  cost         {spent}"
+    text = f"Flutter boundary of {case.name}, {slosh.LABEL[case.slosh.model]}\n{summary}\n  cost         {spent}"
     _print(options, data, text, folder)
     for p in points:
         if p.failure is not None and p.converged:  # a march failed, the search went round it: its log tells more
@@ -240,7 +267,7 @@ def parser() -> argparse.ArgumentParser:
         description="Aeroelastic flutter by co-simulation of FMUs.",
         epilog="exit codes: 0 ok, 2 bad input, 3 a component failed, 4 no verdict or tolerance not met",
     )
-    commands = top.add_subparsers(dest="command", required=True, metavar="point | boundary | drive")
+    commands = top.add_subparsers(dest="command", required=True, metavar="point | boundary | drive | animate")
     for name, text in (
         ("point", "march one Mach number and V_f: does it flutter?"),
         ("boundary", "find the neutral V_f of the case's Mach numbers"),
@@ -256,9 +283,9 @@ def parser() -> argparse.ArgumentParser:
                 "--uncertainty", action="store_true", help="step, amplitude and mesh into the error bars (3 more marches)"
             )
         sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f (boundary: where to start)")
-        sub.add_argument("--slosh", metavar="MODEL", help="instead of slosh.model")
+        sub.add_argument("--slosh", metavar="MODEL", help="none, frozen, ems, rbf or vof, instead of slosh.model")
         sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case")
-        sub.add_argument("--out", type=Path, metavar="DIR", help="run folder (default runs/<case>_<command>)")
+        sub.add_argument("--out", type=Path, metavar="DIR", help="run folder (default runs/<case>_<command>[_<slosh>])")
         sub.add_argument("--fmus", type=Path, metavar="DIR", default=_default_fmus(), help="folder of the FMUs")
         sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
         sub.add_argument("--quiet", action="store_true", help="no progress")
@@ -269,9 +296,23 @@ def parser() -> argparse.ArgumentParser:
     alone.add_argument("--input", type=Path, required=True, metavar="CSV", help="column time [s], and inputs of the FMU by name")
     alone.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the FMU")
     alone.add_argument("--step", type=float, metavar="S", help="communication step [s] (default: the table's rows)")
+    alone.add_argument(
+        "--fields",
+        type=int,
+        metavar="N",
+        help="write fields for ParaView and `animate` at the first row and every N-th, to the FMU's field_folder or "
+        "fields beside --out; an earlier run's fields there are removed",
+    )
     alone.add_argument("--out", type=Path, metavar="CSV", help="outputs (default <input>_<fmu>.csv, picture beside it)")
     alone.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
     alone.add_argument("--no-pictures", action="store_true", help="no picture")
+    text = "draw the liquid in a tank from the fields that a slosh FMU wrote, as an animation"
+    film = commands.add_parser("animate", help=text, description=text)
+    film.add_argument("folder", type=Path, metavar="FOLDER", help="with files fields_<number>.vts (`drive --fields` writes them)")
+    film.add_argument("--out", type=Path, metavar="GIF", help="the animation (default FOLDER/animation.gif)")
+    film.add_argument("--fps", type=int, default=20, metavar="N", help="pictures a second, 1 to 50 (default 20)")
+    film.add_argument("--pictures", action="store_true", help="each picture as PNG too, in a folder named like the animation")
+    film.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
     return top
 
 

@@ -59,6 +59,8 @@ class Confirm:
                 return BoundaryPoint(mach, [], [], f"no linear model: {error.what}", False, failure=failure)
             self.say(f"  no linear model at Mach {mach:g}: {error.what}; marches alone")
             return search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope)
+        if self.case.slosh.model not in ("none", "frozen"):
+            self.say("  the linear model carries the liquid frozen; marches let it slosh")
         expected = model.crossings(low, high)
         for c in expected:
             self.say(f"  linear: {c.direction} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}, frequency {c.frequency:.4f}")
@@ -229,5 +231,7 @@ def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], 
     if not found:
         rate = max(float(model.eigenvalues(v)[0].real) for v in (low, high))
         text = f"no crossing in V_f {low:g} to {high:g}: {'growing' if rate > 0 else 'damped'} (linear model)"
+    if model.liquid is not None and model.case.slosh.model != "frozen":
+        text += " (liquid carried frozen)"
     predictions = [Prediction(c) for c in expected]
     return BoundaryPoint(mach, found, [], text, not model.note, linear=model, predictions=predictions)

@@ -2,6 +2,8 @@
 
 The table is CSV with a header: `time` [s] and names of the FMU's inputs. Each row is a communication point; its values are
 those at the end of the step that leads there (the first row's are the initial ones).
+
+An FMU with `write_fields` and `field_folder` can be asked for its fields at every so many rows, the first one included.
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ from __future__ import annotations
 import csv
 import math
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +19,8 @@ import numpy as np
 
 from master.component import Component
 from master.errors import AeroSloshError
+
+FIELD_FILE = re.compile(r"(fields|surface)_\d{6,}\.vt[sp]")
 
 
 @dataclass(frozen=True)
@@ -91,10 +96,27 @@ def set_parameters(component: Component, settings: list[str]) -> None:
         component.set(variable.name, value)
 
 
-def run(component: Component, table: Table) -> dict[str, np.ndarray]:
+def prepare_fields(component: Component, default: Path) -> Path:
+    """Make the folder of an FMU's fields ready: its field_folder, or `default` where that is empty; returns it.
+
+    An earlier run's fields in it go: mixed with the new ones they would tell a wrong story. Raises AeroSloshError for an FMU
+    without fields.
+    """
+    if any(name not in component.variables for name in ("write_fields", "field_folder")):
+        raise AeroSloshError(f"{component.name} writes no fields", "--fields", "leave it out, or take an FMU with write_fields")
+    folder = Path(component.get("field_folder") or default).resolve()
+    component.set("field_folder", str(folder))
+    for path in folder.glob("*.vt[sp]"):
+        if FIELD_FILE.fullmatch(path.name):
+            path.unlink()
+    return folder
+
+
+def run(component: Component, table: Table, every: int = 0) -> dict[str, np.ndarray]:
     """Drive an FMU whose parameters are set; returns `time` and every numeric output, each (n,).
 
-    Raises AeroSloshError for a column that is no Real input, ComponentError when the FMU fails.
+    every: rows between fields (`prepare_fields` first), 0 for none. Raises AeroSloshError for a column that is no Real input,
+    ComponentError when the FMU fails.
     """
     unknown = [name for name in table.names if name not in component.input_index]
     if unknown:
@@ -103,6 +125,8 @@ def run(component: Component, table: Table) -> dict[str, np.ndarray]:
     where = [component.input_index[name] for name in table.names]
     for name, value in zip(table.names, table.values[0], strict=True):
         component.set(name, float(value))
+    if every:
+        component.set("write_fields", True)
     component.initialize(float(table.times[0]))
     groups = [component.outputs, component.whole, component.truth]
     names = [name for group in groups for name in group.names if name != "failed"]
@@ -116,6 +140,8 @@ def run(component: Component, table: Table) -> dict[str, np.ndarray]:
     note()
     for k in range(1, table.times.size):
         component.inputs.values[where] = table.values[k]
+        if every:
+            component.set("write_fields", k % every == 0)
         # from where the FMU stands: sums of steps would drift from the table's times
         component.step(float(table.times[k]) - component.time)
         note()

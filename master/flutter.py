@@ -30,6 +30,14 @@ REALS = {  # history channel: (component, output, unit, long name)
     "C_M": ("aero", "C_M", "1", "moment coefficient about the elastic axis, nose-up"),
     "C_D": ("aero", "C_D", "1", "drag coefficient"),
     "residual": ("aero", "residual", "1", "residual of the last subiteration"),
+    "slosh_force_x": ("slosh", "force_x", "N m-1", "force of the liquid on the tank, positive aft"),
+    "slosh_force_y": ("slosh", "force_y", "N m-1", "force of the liquid on the tank, weight included, positive up"),
+    "slosh_moment": ("slosh", "moment", "N", "moment of the liquid about the elastic axis, weight included, nose-up"),
+    "slosh_force_y_residual": ("slosh", "force_y_residual", "N m-1", "slosh_force_y less that of the frozen liquid"),
+    "slosh_moment_residual": ("slosh", "moment_residual", "N", "slosh_moment less that of the frozen liquid"),
+    "wave_height_west": ("slosh", "wave_height_west", "m", "surface above its level at rest at the fore wall"),
+    "wave_height_east": ("slosh", "wave_height_east", "m", "surface above its level at rest at the aft wall"),
+    "slosh_validity": ("slosh", "validity", "1", "above 1 the slosh model does not hold (largest since the start)"),
 }
 Watcher = Callable[[int, int, FlutterRig], None]  # step, steps, rig
 
@@ -55,7 +63,8 @@ class March:
 
     release        index of the first free sample (the release itself)
     failure        the component failure that ended the march, if one did; `stopped` any other early end
-    unconverged    steps whose coupling iteration, or whose aero subiteration, did not converge"""
+    unconverged    steps whose coupling iteration, or whose iteration inside aero or slosh, did not converge
+    slosh          the liquid's model; its channels are in the history where it has them"""
 
     scales: Scales
     history: dict[str, np.ndarray]
@@ -68,6 +77,7 @@ class March:
     stopped: str = ""
     unconverged: dict[str, int] = field(default_factory=dict)
     fields: list[tuple[float, Path]] = field(default_factory=list)
+    slosh: str = "none"
 
     @property
     def tau(self) -> np.ndarray:
@@ -101,7 +111,7 @@ def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: 
     history = _History(rig, steps + 1)
     history.take(0)
     instants = {steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)} if field_folder else set()
-    unconverged = {"coupling": 0, "aero": 0}
+    unconverged = {"coupling": 0} | {c.name: 0 for c in rig.system.components if c is not rig.structure}
     failure, stopped, done, writing = None, "", 0, False
     limit = math.radians(flutter.max_alpha_deg)
     dt = s.dt
@@ -112,7 +122,8 @@ def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: 
                 rig.aero.set("write_fields", writing)
             report = scheme.step(rig.system, dt)
             unconverged["coupling"] += not report.converged
-            unconverged["aero"] += not history.take(done, report.passes)
+            for name in history.take(done, report.passes):
+                unconverged[name] += 1
             alpha = history.values["alpha"][done]
             if not np.isfinite(rig.system.values).all():
                 stopped = f"not-a-number at step {done}, tau = {done * dt * s.omega_alpha:.3f}"
@@ -145,6 +156,7 @@ def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: 
         stopped,
         unconverged,
         list(zip(moments, written[-len(moments) :] if moments else [], strict=False)),
+        case.slosh.model,
     )
     _conclude(result, flutter.neutral_band)
     return result
@@ -169,7 +181,10 @@ class _History:
 
     def __init__(self, rig: FlutterRig, n: int) -> None:
         self._rig = rig
-        self.values = {name: np.zeros(n) for name in REALS}
+        running = {c.name: c.output_index for c in rig.system.components}
+        # a slosh model tells what it has; the other components always have a column
+        columns = [n for n, (c, out, _, _) in REALS.items() if c in running and (c != "slosh" or out in running[c])]
+        self.values = {name: np.zeros(n) for name in columns}
         self.values |= {"subiterations": np.zeros(n), "passes": np.zeros(n)}
         self._reals = [
             (
@@ -178,24 +193,25 @@ class _History:
                 rig.system[component].output_index[output],
             )
             for name, (component, output, _, _) in REALS.items()
-            if output in rig.system[component].output_index
+            if name in self.values and output in running[component]
         ]
-        whole, truth = rig.aero.whole, rig.aero.truth
+        whole = rig.aero.whole
         self._subiterations = whole.names.index("subiterations") if "subiterations" in whole.names else None
-        self._converged = truth.names.index("converged") if "converged" in truth.names else None
+        self._converged = [
+            (c.name, c.truth, c.truth.names.index("converged")) for c in rig.system.components if "converged" in c.truth.names
+        ]
 
-    def take(self, i: int, passes: int = 0) -> bool:
-        """Note sample `i`; False when the aero FMU says it did not converge."""
+    def take(self, i: int, passes: int = 0) -> list[str]:
+        """Note sample `i`; returns the names of the components that say they did not converge."""
         for column, outputs, position in self._reals:
             column[i] = outputs[position]
         self.values["passes"][i] = passes
         if self._subiterations is not None:
             self._rig.aero.whole.get()
             self.values["subiterations"][i] = self._rig.aero.whole.values[self._subiterations]
-        if self._converged is None:
-            return True
-        self._rig.aero.truth.get()
-        return bool(self._rig.aero.truth.values[self._converged])
+        for _, truth, _ in self._converged:
+            truth.get()
+        return [name for name, truth, place in self._converged if not truth.values[place]]
 
     def finish(self, n: int, s: Scales) -> dict[str, np.ndarray]:
         """The first `n` samples with time, tau and h/b."""

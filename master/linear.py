@@ -26,6 +26,7 @@ from master.pulses import check_face, chirp, drive, still
 from master.rational import Rational
 from master.rig import FlutterRig
 from master.similarity import scales
+from master.slosh import Liquid
 
 STEP = 0.4  # half chords of travel a step, as in a march
 SWEEP, REST = 240.0, 40.0  # length of a sweep and of the rest after it, half chords
@@ -59,6 +60,7 @@ class LinearModel:
     smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty
     cpu          seconds: FMU and fit; steps: of the FMU
     note         what a user should know, or empty
+    liquid       carried frozen by the section, whatever the slosh model; None when dry
     """
 
     case: Case
@@ -72,10 +74,14 @@ class LinearModel:
     cpu: float
     wall: float
     note: str
+    liquid: Liquid | None = None
 
     def matrix(self, V_f: float) -> np.ndarray:
         """x' = A x of section and flow at `V_f`, per half chord of travel. Shape: (4 + 2 n, 4 + 2 n)."""
-        return system_matrix(self.case, self.aero, V_f)
+        return self._matrix(self.aero, V_f)
+
+    def _matrix(self, aero: Rational, V_f: float) -> np.ndarray:
+        return system_matrix(self.case, aero, V_f, *_carried(self.case, self.mach, self.liquid))
 
     def eigenvalues(self, V_f: float) -> np.ndarray:
         """Eigenvalues / omega_alpha with positive imaginary part, least damped first. Shape: (n,)."""
@@ -89,7 +95,7 @@ class LinearModel:
 
     def _loci(self, aero: Rational, low: float, high: float) -> Loci:
         def matrix(V_f: float) -> np.ndarray:
-            return system_matrix(self.case, aero, V_f) * _per_omega_alpha(self.case, V_f)
+            return self._matrix(aero, V_f) * _per_omega_alpha(self.case, V_f)
 
         return loci.follow(matrix, np.geomspace(low, high, GRID))
 
@@ -136,6 +142,7 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
         clock.process_time() - begin[1],
         clock.perf_counter() - begin[0],
         _note(check_error),
+        rig.tank.liquid if rig.tank else None,
     )
 
 
@@ -151,11 +158,22 @@ def _per_omega_alpha(case: Case, V_f: float) -> float:
     return V_f * math.sqrt(case.section.mass_ratio)
 
 
-def system_matrix(case: Case, aero: Rational, V_f: float) -> np.ndarray:
+def _carried(case: Case, mach: float, liquid: Liquid | None) -> tuple[np.ndarray, np.ndarray]:
+    """Mass and stiffness of the frozen liquid over (m, m b, m b²) and (m U²/b²) … (m U²). Shapes: (2, 2), (2, 2)."""
+    if liquid is None:
+        return np.zeros((2, 2)), np.zeros((2, 2))
+    s = scales(case, mach, case.flutter.V_f)  # mass and speed: V_f does not matter
+    M, K = liquid.matrices()
+    b = np.array([1.0, s.half_chord])
+    return M / (s.mass * np.outer(b, b)), K / (s.mass * (s.speed / s.half_chord) ** 2 * np.outer(b, b))
+
+
+def system_matrix(case: Case, aero: Rational, V_f: float, liquid_mass: np.ndarray, liquid_stiffness: np.ndarray) -> np.ndarray:
     """Section and flow: x' = A x per half chord, x = (h/b, alpha, (h/b)', alpha', memory). Shape: (4 + 2 n, 4 + 2 n).
 
     m h'' + S alpha'' + … = −lift divided by m U²/b, and the pitch equation by m U²:
-    loads enter as −C_L / (π μ) and 2 C_M / (π μ); the plunge rate w = (h/b)' is the first aerodynamic input."""
+    loads enter as −C_L / (π μ) and 2 C_M / (π μ); the plunge rate w = (h/b)' is the first aerodynamic input. The liquid's
+    matrices, (2, 2) each, are those of `_carried`."""
     section = case.section
     k_alpha = 1.0 / _per_omega_alpha(case, V_f)
     k_h = section.frequency_ratio * k_alpha
@@ -163,10 +181,10 @@ def system_matrix(case: Case, aero: Rational, V_f: float) -> np.ndarray:
     load = np.array([-1.0, 2.0])[:, None] / (math.pi * section.mass_ratio)
     D0, D1, D2 = aero.feedthrough
     zero = np.zeros(2)
-    M = np.array([[1.0, x], [x, r2]]) - load * np.column_stack([D1[:, 0], D2[:, 1]])
+    M = np.array([[1.0, x], [x, r2]]) + liquid_mass - load * np.column_stack([D1[:, 0], D2[:, 1]])
     C = np.diag([2.0 * section.damping_ratio_h * k_h, 2.0 * section.damping_ratio_alpha * r2 * k_alpha])
     C = C - load * np.column_stack([D0[:, 0], D1[:, 1]])
-    K = np.diag([k_h**2, r2 * k_alpha**2]) - load * np.column_stack([zero, D0[:, 1]])
+    K = np.diag([k_h**2, r2 * k_alpha**2]) + liquid_stiffness - load * np.column_stack([zero, D0[:, 1]])
     memory, output = aero.states()
     n = memory.shape[0]
     A = np.zeros((4 + 2 * n, 4 + 2 * n))

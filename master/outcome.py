@@ -9,6 +9,7 @@ import numpy as np
 
 from master.boundary import BoundaryPoint
 from master.flutter import March
+from master.slosh import LABEL
 from master.verdict import Verdict
 from master.wording import plus_minus
 
@@ -21,9 +22,12 @@ def number(value: float | None) -> float | None:
 def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     """One march. Growth rate and frequency in units of omega_alpha; cost in seconds."""
     s, fit, cost = march.scales, march.fit, march.cost
+    validity = march.history.get("slosh_validity")
     data: dict[str, Any] = {
         "mach": s.mach,
         "V_f": s.V_f,
+        "slosh": march.slosh,
+        "slosh_validity": number(float(validity[-1])) if validity is not None and validity.size else None,
         "verdict": str(march.verdict),
         "reason": march.reason,
         "growth_rate": number(fit.growth_rate) if fit else None,
@@ -72,6 +76,7 @@ def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
         "fit_error": [number(float(e)) for e in model.fit_error],
         "check_error": [number(float(e)) for e in model.check_error],
         "note": model.note or None,
+        "liquid": "none" if model.liquid is None else "frozen",
         "steps": model.steps,
         "cost": {"wall_seconds": model.wall, "cpu_seconds": model.cpu},
         "crossings": [
@@ -128,7 +133,10 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
 
 def march_summary(data: dict[str, Any]) -> str:
     """What a person wants to know of one march."""
-    lines = [f"Mach {data['mach']:g}, V_f {data['V_f']:g}: {data['verdict'].upper()}", f"  {data['reason']}"]
+    lines = [
+        f"Mach {data['mach']:g}, V_f {data['V_f']:g}, {LABEL[data['slosh']]}: {data['verdict'].upper()}",
+        f"  {data['reason']}",
+    ]
     if data["growth_rate"] is not None:
         lines += [
             f"  growth rate  {plus_minus(data['growth_rate'], data['growth_rate_uncertainty'])}  omega_alpha"
@@ -139,6 +147,8 @@ def march_summary(data: dict[str, Any]) -> str:
     for kind, count in data["unconverged_steps"].items():
         if count:
             lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
+    if (data["slosh_validity"] or 0.0) > 1.0:
+        lines.append(f"  note: the slosh model does not hold (validity {data['slosh_validity']:.3g}, edge 1)")
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
     cost = data["cost"]

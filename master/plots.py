@@ -13,6 +13,7 @@ import numpy as np
 
 from master import vtk
 from master.flutter import March
+from master.slosh import LABEL
 from master.wording import plus_minus
 
 BLUE, RED, GREY, GREEN = "#1f5fa8", "#c0392b", "#7a7a7a", "#2e8b57"
@@ -37,7 +38,8 @@ DEGREES = 180.0 / np.pi
 def headline(march: March) -> str:
     """Mach, V_f, verdict, growth rate and frequency in one line."""
     s, fit = march.scales, march.fit
-    text = f"Mach {s.mach:g}, $V_f$ = {s.V_f:.4g}: {march.verdict}"
+    liquid = f", {LABEL[march.slosh]}" if march.slosh != "none" else ""
+    text = f"Mach {s.mach:g}, $V_f$ = {s.V_f:.4g}{liquid}: {march.verdict}"
     if fit is None:
         return text
     return text + (

@@ -157,6 +157,7 @@ def write_history(path: Path, march: March, about: dict[str, Any]) -> None:
             "reason": march.reason,
             "failure": march.failure.what if march.failure else "",
             "stopped": march.stopped,
+            "slosh": march.slosh,
         }
         for name, value in (attributes | {k: v for k, v in about.items() if not isinstance(v, dict)}).items():
             if value != "":

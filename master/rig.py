@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+from master import slosh
 from master.case import Case
 from master.component import Component, Saved
 from master.errors import AeroSloshError
@@ -26,10 +27,16 @@ aero.moment -> structure.moment
 NEEDED = ("structure", "aero")
 
 
-def find_fmus(folder: Path) -> dict[str, Path]:
-    """The FMU files of `folder` by component name. Raises AeroSloshError when one is missing."""
-    found = {name: folder / f"{name}.fmu" for name in NEEDED}
+def find_fmus(folder: Path, model: str = "none") -> dict[str, Path]:
+    """The FMU files of `folder` by component name, with that of the slosh `model`. Raises AeroSloshError when one is missing."""
+    found = {name: folder / f"{name}.fmu" for name in (*NEEDED, *slosh.needed(model))}
     missing = [path.name for path in found.values() if not path.is_file()]
+    if missing == ["slosh_rbf.fmu"]:
+        raise AeroSloshError(
+            "The slosh model rbf is not available yet: FMU missing: slosh_rbf.fmu",
+            str(folder),
+            "take --slosh frozen, ems or vof",
+        )
     if missing:
         raise AeroSloshError(
             f"FMU missing: {', '.join(missing)}",
@@ -40,10 +47,10 @@ def find_fmus(folder: Path) -> dict[str, Path]:
 
 
 class FlutterRig:
-    """Structure and aero FMU at one Mach number. Use as a context manager.
+    """Structure, aero and slosh FMU at one Mach number. Use as a context manager.
 
     `start(V_f)` makes the structure of that V_f and rewinds the aero FMU to its steady flow: what a march
-    begins with.
+    begins with. `tank` is the liquid (None when dry).
     """
 
     def __init__(
@@ -57,7 +64,12 @@ class FlutterRig:
         self.case, self.mach = case, mach
         self.structure = Component(fmus["structure"], "structure")
         self.aero = Component(fmus["aero"], "aero")
-        self.system = System([self.structure, self.aero], wires(WIRES))
+        self.tank = slosh.Tank(case.slosh, fmus) if case.slosh.model != "none" else None
+        moving = self.tank.moving if self.tank else None
+        components, lines = [self.structure, self.aero], WIRES.strip().splitlines()
+        if moving is not None:
+            components, lines = [*components, moving], lines + slosh.wiring(case.slosh.split)
+        self.system = System(components, wires(lines))
         self._steady: Saved | None = None
         say(f"steady flow at Mach {mach:g}")
         try:
@@ -80,12 +92,21 @@ class FlutterRig:
             raise AeroSloshError("The rig is closed", "FlutterRig.steady", "open a new one")
         return self._steady
 
+    def hashes(self) -> dict[str, str]:
+        """SHA-256 of every FMU, by component."""
+        return {c.name: c.sha256 for c in self.system.components} | ({"slosh": self.tank.sha256} if self.tank else {})
+
     def start(self, V_f: float) -> Scales:
-        """Ready the FMUs for a march at `V_f`: aero at its steady flow, a new structure at rest in trim."""
+        """Ready the FMUs for a march at `V_f`: aero at its steady flow, a new structure in trim, a new liquid at rest."""
         case, s = self.case, scales(self.case, self.mach, V_f)
         self.aero.rewind(self.steady)
         if self.structure.state != "instantiated":
             self.structure.restart()
+        force_y = slosh_moment = 0.0
+        if self.tank is not None:
+            self.tank.restart()
+            force_y, slosh_moment = self.tank.rest
+            self.structure.set_all(self.tank.carried)
         lift, moment = self.aero.get("lift"), self.aero.get("moment")
         flutter = case.flutter
         self.structure.set_all(
@@ -102,8 +123,8 @@ class FlutterRig:
                 "forced_cycles": flutter.forced_cycles,
                 "forced_ramp_cycles": min(flutter.forced_ramp_cycles, flutter.forced_cycles),
                 "initial_alpha_dot": flutter.initial_alpha_dot * s.omega_alpha,
-                "trim_lift": lift,
-                "trim_moment": moment,
+                "trim_lift": lift + force_y,
+                "trim_moment": moment + slosh_moment,
                 "lift": lift,
                 "moment": moment,
             }

@@ -109,7 +109,7 @@ class Structure(Slave):
     def _load(self) -> Array:
         return np.array(
             [
-                -(self.lift - self.trim_lift) + self.slosh_force_y,
+                -(self.lift - self.trim_lift) - self.slosh_force_y,  # plunge is positive down
                 (self.moment - self.trim_moment) + self.slosh_moment,
             ]
         )

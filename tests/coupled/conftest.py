@@ -1,18 +1,19 @@
-"""Builds the test doubles once a session, each in a process of its own, and finds the structure FMU."""
+"""Builds the test doubles once a session, each in a process of its own, and puts the product's FMUs beside them."""
 
 from __future__ import annotations
 
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 DOUBLES = Path(__file__).parent / "doubles"
-ROOT = Path(__file__).parents[2]
 BUILD = """
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 script, dest, rewind = sys.argv[1:]
@@ -23,12 +24,13 @@ FmuBuilder.build_FMU(script, dest, project_files=[Path(script).with_name("double
 
 @pytest.fixture(scope="session")
 def doubles(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with oscillator.fmu, link.fmu, aero.fmu, fixed.fmu (an oscillator that cannot rewind)."""
+    """Folder with oscillator.fmu, link.fmu, aero.fmu, plate.fmu, fixed.fmu (an oscillator that cannot rewind)."""
     folder = tmp_path_factory.mktemp("doubles")
     for script, name, rewind in (
         ("oscillator", "oscillator", "true"),
         ("link", "link", "true"),
         ("aero", "aero", "true"),
+        ("plate", "plate", "true"),
         ("oscillator", "fixed", "false"),
     ):
         done = subprocess.run(
@@ -41,20 +43,20 @@ def doubles(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def flutter_fmus(doubles: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the product's structure.fmu and the thin-airfoil double as aero.fmu."""
-    built = ROOT / "dist" / "fmus" / "structure.fmu"
+def flutter_fmus(doubles: Path, fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the product's structure.fmu and slosh_ems.fmu, and the thin-airfoil double as aero.fmu."""
     folder = tmp_path_factory.mktemp("flutter_fmus")
-    if not built.is_file():
-        done = subprocess.run(
-            [sys.executable, "-m", "fmus.kit.build", "--out", str(folder)],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-        )
-        assert (folder / "structure.fmu").is_file(), f"structure.fmu cannot be built: {done.stderr}"
-        (folder / "aero.fmu").unlink(missing_ok=True)
-    else:
-        shutil.copy(built, folder)
+    for name in ("structure", "slosh_ems"):
+        shutil.copy(fmu(name), folder)
     shutil.copy(doubles / "aero.fmu", folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def plate_fmus(doubles: Path, flutter_fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same with the flat plate in subsonic flow as aero.fmu."""
+    folder = tmp_path_factory.mktemp("plate_fmus")
+    for name in ("structure", "slosh_ems"):
+        shutil.copy(flutter_fmus / f"{name}.fmu", folder)
+    shutil.copy(doubles / "plate.fmu", folder / "aero.fmu")
     return folder

@@ -73,6 +73,20 @@ def test_second_run_moves_the_first_aside_and_other_folders_are_safe(flutter_fmu
     assert (tmp_path / "mine" / "thesis.txt").read_text() == "do not lose"
 
 
+@pytest.mark.parametrize("model", ["frozen", "ems"])
+def test_slosh_is_named_in_every_result(flutter_fmus: Path, tmp_path: Path, model: str) -> None:
+    out = tmp_path / "run"
+    case = CASE.with_name("paper_s.toml")
+    done = aeroslosh("point", case, "--mach", "0.3", "--slosh", model, "--json", "--out", out, fmus=flutter_fmus)
+    assert done.returncode == 0, done.stderr
+    data = json.loads(done.stdout)
+    assert data["slosh"] == model and (data["slosh_validity"] is not None) is (model == "ems")
+    assert len(json.loads((out / "result.json").read_text())["provenance"]["fmu_sha256"]["slosh"]) == 64
+    assert f'model = "{model}"' in (out / "case.toml").read_text()
+    with netcdf_file(str(out / "history.nc"), mmap=False) as file:
+        assert file.slosh == model.encode() and ("slosh_force_y" in file.variables) is (model == "ems")
+
+
 def test_boundary_prints_json(flutter_fmus: Path, tmp_path: Path) -> None:
     out = tmp_path / "run"
     done = aeroslosh(
@@ -91,7 +105,7 @@ def test_boundary_prints_json(flutter_fmus: Path, tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     point = json.loads(done.stdout)["points"][0]
-    assert point["V_f"] == pytest.approx(2.387, rel=0.01) and point["converged"]
+    assert point["V_f"] == pytest.approx(2.387, rel=0.01) and point["converged"] and point["slosh"] == "none"
     assert (out / "boundary.png").is_file()
     assert len(list(out.glob("history_*.nc"))) == len(point["marches"])
 
@@ -113,7 +127,8 @@ def test_a_failing_component_reaches_the_user(flutter_fmus: Path, tmp_path: Path
     ("arguments", "says"),
     [
         (["--mach", "3"], ["flow.mach = 3.0", "out of range", "remedy"]),
-        (["--slosh", "vof"], ["slosh.model", "available: none"]),
+        (["--slosh", "water"], ["slosh.model", "available: none, frozen, ems, rbf, vof"]),
+        (["--slosh", "rbf"], ["slosh model rbf is not available yet"]),
         (["--set", "section.mass_ratio=-1"], ["section.mass_ratio", "above 0"]),
         (["--set", "flow.machh=1"], ["did you mean 'mach'"]),
         (["--bogus"], ["unrecognized arguments"]),

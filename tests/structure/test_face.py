@@ -39,10 +39,10 @@ def assign(wing: Structure, values: dict[str, Any]) -> None:
 
 
 def test_signs_of_the_loads() -> None:
-    """Lift (up) lifts the section: h falls; a nose-up moment raises alpha; slosh loads act the same way."""
+    """Lift (up) lifts the section: h (down) falls; a nose-up moment raises alpha; slosh loads act the same way."""
     base = {"static_imbalance": 0.0}
     assert started(**base, lift=100.0).h_ddot == pytest.approx(-100.0 / 57.73)
-    assert started(**base, slosh_force_y=100.0).h_ddot == pytest.approx(100.0 / 57.73)
+    assert started(**base, slosh_force_y=100.0).h_ddot == pytest.approx(-100.0 / 57.73)
     assert started(**base, moment=100.0).alpha_ddot == pytest.approx(100.0 / 50.2251)
     assert started(**base, slosh_moment=100.0).alpha_ddot == pytest.approx(100.0 / 50.2251)
     assert started(lift=100.0, trim_lift=100.0, moment=7.0, trim_moment=7.0).h_ddot == 0.0
