@@ -1,4 +1,4 @@
-"""Does fuel move the transonic flutter boundary? Preset S over Mach number: dry, frozen fuel, sloshing fuel (EMS).
+"""Does fuel move the transonic flutter boundary? Preset S over Mach number: dry, frozen, linear slosh, two-phase slosh.
 
 `python -m paper.slosh_boundary [--mach M …] [--models MODEL …] [--fmus DIR] [--csv FILE] [--picture FILE]` runs
 `aeroslosh boundary cases/paper_s.toml --slosh MODEL` for each: a linear model foretells the onsets, marches of the Euler flow
@@ -20,7 +20,7 @@ from master.slosh import LABEL
 
 ROOT = Path(__file__).resolve().parents[1]
 MACH = (0.70, 0.75, 0.775, 0.80, 0.825, 0.85)
-MODELS = ("none", "frozen", "ems")
+MODELS = ("none", "frozen", "ems", "vof")
 
 
 @dataclass(frozen=True)
