@@ -99,6 +99,9 @@ def drive_command(options: argparse.Namespace) -> int:
         raise AeroSloshError("There is no such FMU", str(options.fmu), "build the FMUs with `make fmus`")
     component = Component(options.fmu, options.fmu.stem)
     drive.set_parameters(component, options.set)
+    table, derived = drive.completed(table, component.input_index)
+    if derived:
+        print(f"note: {', '.join(derived)} not in the table, taken from splines", file=sys.stderr)
     target = options.out or options.input.with_name(f"{options.input.stem}_{options.fmu.stem}.csv")
     if options.fields is not None and options.fields < 1:
         raise AeroSloshError(f"--fields {options.fields}", "command line", "a number of rows, at least 1")

@@ -12,10 +12,12 @@ import csv
 import math
 import os
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from master.component import Component
 from master.errors import AeroSloshError
@@ -75,6 +77,26 @@ def read(path: Path) -> Table:
         where = f"{path}, line {lines[1 + later][0]}"
         raise AeroSloshError(f"time = {times[later]:g} does not grow", where, "times in rising order")
     return Table(times, [n for n in header if n != "time"], np.delete(values, column, axis=1))
+
+
+def completed(table: Table, inputs: Collection[str]) -> tuple[Table, list[str]]:
+    """The table with rates and accelerations that the FMU takes and the table leaves out, and their names.
+
+    For columns q of which the FMU has inputs q, q_dot, q_ddot: derivatives of the cubic spline through the highest one given. An
+    FMU feels accelerations; positions alone would tell it of a tank at rest.
+    """
+    columns = dict(zip(table.names, table.values.T, strict=True))
+    derived = []
+    for name in table.names:
+        lower = name
+        for higher in (f"{name}_dot", f"{name}_ddot"):
+            if f"{name}_ddot" not in inputs or name not in inputs:
+                break
+            if higher not in columns:
+                columns[higher] = CubicSpline(table.times, columns[lower]).derivative()(table.times)
+                derived.append(higher)
+            lower = higher
+    return Table(table.times, list(columns), np.stack(list(columns.values()), axis=1)), derived
 
 
 def set_parameters(component: Component, settings: list[str]) -> None:

@@ -136,6 +136,11 @@ def march(rig: FlutterRig, V_f: float, field_folder: Path | None = None, watch: 
                 watch(done, steps, rig)
     except ComponentError as error:
         failure, done = error, done - 1
+        if rig.exchanges_whole_loads:
+            failure.remedy = (
+                "slosh.split = 'frozen' or coupling.scheme = 'implicit': the whole load of a heavy liquid, exchanged once a "
+                f"step, diverges at any step. Else {failure.remedy}"
+            )
     finally:
         if writing and failure is None:
             rig.aero.set("write_fields", False)

@@ -92,6 +92,12 @@ class FlutterRig:
             raise AeroSloshError("The rig is closed", "FlutterRig.steady", "open a new one")
         return self._steady
 
+    @property
+    def exchanges_whole_loads(self) -> bool:
+        """Whether a moving liquid's whole load, inertia and all, reaches the structure once a step."""
+        moving = self.tank is not None and self.tank.moving is not None
+        return moving and self.case.slosh.split == "none" and self.case.coupling.scheme != "implicit"
+
     def hashes(self) -> dict[str, str]:
         """SHA-256 of every FMU, by component."""
         return {c.name: c.sha256 for c in self.system.components} | ({"slosh": self.tank.sha256} if self.tank else {})

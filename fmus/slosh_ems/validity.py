@@ -59,6 +59,8 @@ class Gate:
     def measure(self, motion: SectionMotion, wave_height: float) -> float:
         """Distance to the edge at this moment: 0 fine, 1 at the edge."""
         g = self.tank.gravity
+        if self.tank.fill_level >= 1.0:  # no surface to be uneven
+            return 0.0
         uneven = abs(self.effective_gravity(motion) / g - 1.0) + 0.5 * self.tank.length * abs(motion.alpha_ddot) / g
         steep = abs(wave_height) / self.highest if self.highest > 0.0 else 0.0
         return max(uneven / self.even, steep)

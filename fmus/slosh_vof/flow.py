@@ -133,6 +133,8 @@ class Flow:
 
     def advance(self, start: SectionMotion, end: SectionMotion, duration: float) -> StepReport:
         """March from one motion to another over `duration` [s]. Raises FlowError where the flow cannot be advanced."""
+        if duration < step.SMALLEST_STEP:
+            raise FlowError(f"a communication step of {duration:g} s. Remedy: at least {step.SMALLEST_STEP:g} s")
         if self.shared:  # a snapshot holds these arrays
             self.state, self.shared = self.state.copy(), False
         table = course(start, end, duration)

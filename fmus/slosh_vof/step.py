@@ -33,6 +33,8 @@ NOTES = 7
 OK, NOT_FINITE, TOO_SMALL, TOO_MANY = range(4)
 SMALLEST_STEP = 1e-9
 MOST_STEPS = 2_000_000
+FARTHEST = 4.0
+"""Pressure is not extrapolated over more than this many of the last steps: a tiny step's change is noise."""
 
 
 @argument
@@ -206,9 +208,10 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
                      p.liquid_density - p.gas_density, p.surface_tension, dx, dy, s)  # fmt: skip
     _conductance(work[KX], rho, places.open_x, dy / dx, p.liquid_density, first, n, 1)
     _conductance(work[KY], rho, places.open_y, dx / dy, p.liquid_density, first, n, s)
-    _divergence(work[RHS], ax, ay, u, v, 1.0 / dt, dx, dy, first, n, s)
-    # a divergence below the limit is both small over the step and a small error of pressure when steps are tiny
+    # a tiny step must neither undo all divergence at once, which a long step after it would repeat, nor ask for more than a
+    # small error of pressure
     time = max(dt, math.sqrt(min(dx, dy) / (100.0 * p.gravity)))
+    _divergence(work[RHS], ax, ay, u, v, 1.0 / time, dx, dy, first, n, s)
     limit = tolerance / time**2 * dx * dy
     iterations, left = solve(q, work[RHS], work[KX], work[KY], limit, p.most_iterations, places.levels, coarse, work[:3])
     return iterations, left
@@ -254,7 +257,8 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
         work[OLD_RHO, :] = work[RHO]
         done = duration if parts == 1 else done + dt
         frame_force(course, done / duration, p.gravity, frame)
-        _extrapolate(state[Q], state[Q_BEFORE], dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0, state.shape[1])
+        ratio = dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0
+        _extrapolate(state[Q], state[Q_BEFORE], ratio if ratio < FARTHEST else 0.0, state.shape[1])
         iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance)
         if not math.isfinite(residual):
             return NOT_FINITE

@@ -105,3 +105,10 @@ def test_undamped_waves_are_caught_within_their_first_growth() -> None:
     cycles = math.ceil(2.0 / (size * omega) / (math.pi / omega))
     assert watched(gate(damping=0.0), size, 2.0 * omega, cycles - 2)[0] < 1.0
     assert watched(gate(damping=0.0), size, 2.0 * omega, cycles + 2)[0] > 1.0
+
+
+def test_a_full_tank_is_valid_at_any_acceleration() -> None:
+    """It has no surface that could break."""
+    full = Tank(0.5, 0.15, fill_level=1.0)
+    gate = Gate(full, False, np.ones(12), np.full(12, 0.01))
+    assert gate.measure(SectionMotion(h_ddot=50.0), 0.0) == 0.0

@@ -54,3 +54,18 @@ def test_output_is_whole_or_absent(tmp_path: Path) -> None:
     assert lines[0] == "time,lift"
     assert [float(v) for v in lines[1].split(",")] == [0.0, 1 / 3]
     assert [p.name for p in (tmp_path / "sub").iterdir()] == ["out.csv"]
+
+
+def test_rates_and_accelerations_left_out_are_derived() -> None:
+    times = np.linspace(0.0, 2.0, 201)
+    inputs = ["x", "x_dot", "x_ddot", "alpha", "alpha_dot", "alpha_ddot", "gain"]
+    table = drive.Table(times, ["x", "gain"], np.column_stack([np.sin(4 * times), times]))
+    full, derived = drive.completed(table, inputs)
+    assert derived == ["x_dot", "x_ddot"]
+    assert full.names == ["x", "gain", "x_dot", "x_ddot"]
+    middle = slice(10, -10)
+    np.testing.assert_allclose(full.values[middle, 2], 4 * np.cos(4 * times)[middle], atol=1e-5)
+    np.testing.assert_allclose(full.values[middle, 3], -16 * np.sin(4 * times)[middle], atol=1e-3)
+    given = drive.Table(times, ["x", "x_dot", "x_ddot"], np.zeros((201, 3)))
+    assert drive.completed(given, inputs)[1] == []
+    assert drive.completed(table, ["x", "gain"])[1] == []
