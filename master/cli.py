@@ -251,7 +251,10 @@ def boundary_command(
     folder.log("\n" + summary)
     cost = data["cost"]
     spent = f"{cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU"
-    text = f"Flutter boundary of {case.name}, {slosh.LABEL[case.slosh.model]}\n{summary}\n  cost         {spent}"
+    label = slosh.LABEL[case.slosh.model]
+    if case.boundary.method == "linear" and case.slosh.model not in ("none", "frozen"):
+        label += ", carried frozen by the linear method"
+    text = f"Flutter boundary of {case.name}, {label}\n{summary}\n  cost         {spent}"
     _print(options, data, text, folder)
     for p in points:
         if p.failure is not None and p.converged:  # a march failed, the search went round it: its log tells more
