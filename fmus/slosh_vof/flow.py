@@ -138,10 +138,9 @@ class Flow:
         if self.shared:  # a snapshot holds these arrays
             self.state, self.shared = self.state.copy(), False
         table = course(start, end, duration)
-        with np.errstate(all="ignore"):
-            outcome = step.advance(
-                self.state, self.work, self.coarse, self.surface, self.layers, self.notes, table, duration, self.places,
-                self.numbers)  # fmt: skip
+        outcome = step.advance(
+            self.state, self.work, self.coarse, self.surface, self.layers, self.notes, table, duration, self.places,
+            self.numbers)  # fmt: skip
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:
@@ -204,7 +203,6 @@ class Flow:
     def save(self) -> dict[str, Any]:
         """All the next step reads, by reference: the arrays are not modified after."""
         self.shared = True
-        self.notes = self.notes.copy()
         return {
             "state": self.state,
             "layers": self.layers.copy(),
@@ -219,7 +217,6 @@ class Flow:
         self.state, self.shared = snapshot["state"], True
         self.layers = snapshot["layers"].copy()
         self.work[step.RHO] = snapshot["density"]
-        self.work[step.OLD_RHO] = snapshot["density"]
         self.work[step.TAU] = snapshot["shear"]
         self.notes = snapshot["notes"].copy()
         self.frame = snapshot["frame"].copy()

@@ -13,11 +13,14 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..kit.cache import argument
 from ..kit.compiled import jit
 from .advection import advect
 from .curvature import curvature
 from .forces import interface_forces
+from .momentum import LIQUID as FULL
 from .momentum import component, mirror, shear, wall_ghosts
 from .pressure import solve
 from .wall_layer import wall_shear
@@ -72,7 +75,7 @@ class Places(NamedTuple):
 
 @jit
 def frame_force(course: Any, share: float, gravity: float, frame: Any) -> None:
-    """Body force of the moving frame at a share of the communication step.
+    """Body force of the moving frame at a share of the communication step: `tank.motion.body_force`, compiled and by its parts.
 
     course (9, 6) as from `tank.motion.course`; frame (5,) receives the force at the elastic axis along x and y, the angular
     acceleration, the squared rate and the rate (nose-up).
@@ -117,7 +120,7 @@ def _fluids(c: Any, rho: Any, mu: Any, liquid: Any, p: Any, n: int, start: int) 
         share = min(max(cc[k], 0.0), 1.0)
         r[k] = gas + jump * cc[k]
         m[k] = thin + thick * share
-        f[k] = 1.0 if cc[k] > 0.999 else 0.0
+        f[k] = 1.0 if cc[k] > FULL else 0.0
 
 
 @jit
@@ -228,7 +231,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
     first, n = 2 * s, ny * s
-    frame = work[ALONG, :5].copy()
+    frame = np.zeros(5)
     done = 0.0
     notes[STEPS], notes[ITERATIONS], notes[UNCONVERGED], notes[RESIDUAL] = 0.0, 0.0, 0.0, 0.0
     while True:

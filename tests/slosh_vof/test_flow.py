@@ -15,7 +15,7 @@ from fmus.slosh_vof.grid import Baffles, Grid
 from fmus.slosh_vof.surface import flat, from_heights
 from fmus.tank.liquid import Tank
 from fmus.tank.modes import lid_inertia
-from fmus.tank.motion import SectionMotion
+from fmus.tank.motion import SectionMotion, at, body_force, course
 
 WATER = 0.5 * 0.075 * 1000.0
 AIR = 0.5 * 0.075 * 1.2
@@ -230,3 +230,17 @@ def test_tiny_steps_among_long_ones_do_not_stir_the_liquid() -> None:
         assert abs(flow.loads(motion).force_x) < 1e-3
     with pytest.raises(FlowError, match="at least"):
         flow.advance(motion, motion, 1e-12)
+
+
+def test_the_compiled_frame_force_is_that_of_the_section() -> None:
+    """At both ends and inside a step, at a point off the axis."""
+    start = SectionMotion(0.01, 0.3, 2.0, 0.1, 0.7, -5.0, 0.02, -0.1, 1.5)
+    end = SectionMotion(0.04, 0.4, 3.0, 0.16, 0.5, -4.0, 0.01, 0.1, 0.5)
+    table, frame = course(start, end, 0.1), np.zeros(5)
+    for share in (0.0, 0.3, 1.0):
+        step.frame_force(table, share, 9.81, frame)
+        x, y = 0.4, -0.2
+        along = frame[0] - frame[2] * y + frame[3] * x
+        up = frame[1] + frame[2] * x + frame[3] * y
+        np.testing.assert_allclose((along, up), body_force(at(table, share), x, y, 9.81), rtol=1e-12)
+        assert frame[4] == pytest.approx(at(table, share).alpha_dot)
