@@ -1,40 +1,20 @@
-"""A case: every setting of a run, typed, with unit, range and description; read from TOML, written back resolved.
+"""A case: every setting of a flutter run, typed, with unit, range and description; read from TOML, written back resolved.
 
-The tables of the file are the dataclasses below, the keys their fields. Angles are in degrees only where
-the key ends in `_deg`; everything else is SI and radians. A key that does not exist, a wrong type or a
-value out of range is refused with file, line, key and remedy (`AeroSloshError`, exit code 2)."""
+The tables of the file are the dataclasses below, the keys their fields (module `settings` says how they are read). Angles are
+in degrees only where the key ends in `_deg`; everything else is SI and radians."""
 
 from __future__ import annotations
 
 import dataclasses
-import difflib
-import tomllib
-import types
 import typing
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import toml_text
+from master import settings
 from master.errors import AeroSloshError
-
-
-def rule(
-    doc: str,
-    unit: str = "1",
-    low: float | None = None,
-    high: float | None = None,
-    above: float | None = None,
-    choices: Sequence[str] = (),
-) -> dict[str, Any]:
-    """What a key allows: `low` <= value <= `high`, value > `above`, `choices` for words."""
-    return {"doc": doc, "unit": unit, "low": low, "high": high, "above": above, "choices": tuple(choices)}
-
-
-def key(default: Any, *words: Any, **limits: Any) -> Any:
-    """A field of a table with its `rule`."""
-    return field(default=default, metadata=rule(*words, **limits))
+from master.settings import key, rule
 
 
 @dataclass
@@ -191,132 +171,27 @@ TABLES: dict[str, Any] = {name: hint for name, hint in typing.get_type_hints(Cas
 
 def load(path: Path, overrides: Sequence[str] = ()) -> Case:
     """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise AeroSloshError(
-            f"The case file cannot be read: {error.strerror}",
-            str(path),
-            "give the path of a TOML case, e.g. cases/isogai_a.toml",
-        ) from None
-    except UnicodeDecodeError:
-        raise AeroSloshError("The case file is not UTF-8 text", str(path), "save it as UTF-8") from None
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise AeroSloshError(f"The case file is not valid TOML: {error}", str(path), "correct the line named") from None
-    lines = toml_text.line_numbers(text)
+    data, lines = settings.read(path, "case file", "cases/isogai_a.toml")
     case = Case(name=path.stem)
-    for table, content in data.items():
-        where = f"{path}, line {lines.get((table, ''), lines.get(('', table), 1))}"
-        if table not in TABLES:
-            raise AeroSloshError(f"Unknown table [{table}]", where, _nearest(table, list(TABLES), "the tables are"))
-        if not isinstance(content, dict):
-            raise AeroSloshError(f"'{table}' is a table", where, f"write [{table}] with keys below it")
-        for name, value in content.items():
-            _assign(case, table, name, value, f"{path}, line {lines.get((table, name), '?')}, key {table}.{name}")
+    settings.fill(case, TABLES, data, lines, path)
     beside = path.parent / case.flow.airfoil
     if beside.is_file():  # a coordinate file is named relative to the case, wherever the command runs
         case.flow.airfoil = str(beside.resolve())
     for override in overrides:
-        _override(case, override)  # checked together at the end: two overrides may belong together
+        settings.override(case, TABLES, override)  # checked together at the end: two overrides may belong together
     _check_together(case, str(path))
     return case
 
 
 def apply_override(case: Case, override: str) -> None:
     """Apply one `section.key=value` in place; the value is read as TOML, else as a word. Raises AeroSloshError."""
-    _override(case, override)
+    settings.override(case, TABLES, override)
     _check_together(case, f"--set {override}")
-
-
-def _override(case: Case, override: str) -> None:
-    """`apply_override` without the checks that concern several keys."""
-    dotted, equals, text = override.partition("=")
-    table, dot, name = dotted.strip().partition(".")
-    where = f"--set {override}"
-    if not (equals and dot and table and name):
-        raise AeroSloshError("An override has the form section.key=value", where, "for instance --set flow.mach=0.8")
-    if table not in TABLES:
-        raise AeroSloshError(f"Unknown table '{table}'", where, _nearest(table, list(TABLES), "the tables are"))
-    try:
-        value = tomllib.loads(f"value = {text.strip()}")["value"]
-    except tomllib.TOMLDecodeError:
-        value = text.strip()
-    _assign(case, table, name, value, where)
 
 
 def dump(case: Case) -> str:
     """The resolved case as TOML, each key with its unit and description."""
-    parts = [f"# resolved case {case.name}: every key with its value, unit and meaning"]
-    for table in TABLES:
-        content = getattr(case, table)
-        parts.append(f"\n[{table}]")
-        for f in dataclasses.fields(content):
-            unit = f.metadata["unit"]
-            note = f.metadata["doc"] if unit == "1" else f"{f.metadata['doc']} [{unit}]"
-            parts.append(f"{f.name} = {toml_text.literal(getattr(content, f.name))}  # {note}")
-    return "\n".join(parts) + "\n"
-
-
-def _assign(case: Case, table: str, name: str, value: Any, where: str) -> None:
-    """Check one value against its field and set it."""
-    content = getattr(case, table)
-    fields = {f.name: f for f in dataclasses.fields(content)}
-    if name not in fields:
-        raise AeroSloshError(
-            f"Unknown key '{name}' in [{table}]",
-            where,
-            _nearest(name, list(fields), f"the keys of [{table}] are"),
-        )
-    f = fields[name]
-    hint = typing.get_type_hints(type(content))[name]
-    setattr(content, name, _checked(value, hint, f.metadata, f"{table}.{name}", where))
-
-
-def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
-    """`value` as the type `hint`, inside the field's range; raises with the remedy."""
-    if typing.get_origin(hint) is list:
-        if not isinstance(value, list) or not value:
-            raise AeroSloshError(
-                f"{name} is a list of numbers, not {value!r}",
-                where,
-                f"write {name.split('.')[1]} = [0.8, 0.85]",
-            )
-        return [_checked(v, typing.get_args(hint)[0], rule, name, where) for v in value]
-    kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
-    if isinstance(value, int) and not isinstance(value, bool) and float in kinds:
-        value = float(value)
-    if type(value) not in kinds:
-        raise AeroSloshError(f"{name} has the wrong type: {value!r}", where, f"give {_expected(kinds, rule)}")
-    if isinstance(value, str):
-        if rule["choices"] and value not in rule["choices"]:
-            remedy = f"available: {', '.join(rule['choices'])}"
-            if len(kinds) > 1:
-                remedy = f"give {_expected(kinds, rule)}"
-            raise AeroSloshError(f'{name} = "{value}" is not available', where, remedy)
-    elif not isinstance(value, bool):
-        low, high, above = rule["low"], rule["high"], rule["above"]
-        inside = (low is None or value >= low) and (high is None or value <= high) and (above is None or value > above)
-        if not inside or value != value or value in (float("inf"), float("-inf")):
-            raise AeroSloshError(f"{name} = {value!r} is out of range ({rule['doc']})", where, f"give {_expected(kinds, rule)}")
-    return value
-
-
-def _expected(kinds: tuple[Any, ...], rule: Any) -> str:
-    """The words of a remedy: type, range and unit."""
-    names = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
-    parts = [names[k] for k in kinds if k is not str]
-    if str in kinds:
-        parts.append(" or ".join(f'"{c}"' for c in rule["choices"]) or names[str])
-    text = " or ".join(parts)
-    if rule["above"] is not None:
-        text += f" above {rule['above']:g}"
-    if rule["low"] is not None:
-        text += f" from {rule['low']:g}"
-    if rule["high"] is not None:
-        text += f" to {rule['high']:g}"
-    return text + ("" if rule["unit"] == "1" else f" [{rule['unit']}]")
+    return f"# resolved case {case.name}: every key with its value, unit and meaning\n{settings.dump(case, TABLES)}"
 
 
 def _check_together(case: Case, where: str) -> None:
@@ -344,12 +219,3 @@ def _check_together(case: Case, where: str) -> None:
         raise AeroSloshError("flutter.forced_amplitude_deg is 0", where, "give an amplitude, for instance 1")
     if len(b.V_f_range) != 2 or b.V_f_range[0] >= b.V_f_range[1]:
         raise AeroSloshError(f"boundary.V_f_range = {b.V_f_range} is not [low, high]", where, "write V_f_range = [0.2, 3.0]")
-
-
-def _nearest(name: str, known: list[str], lead: str) -> str:
-    """'did you mean …?' with all names."""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5) or difflib.get_close_matches(
-        name.lower(), known, n=1, cutoff=0.4
-    )
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"{hint}({lead}: {', '.join(known)})"

@@ -27,11 +27,14 @@ def line_numbers(text: str) -> dict[tuple[str, str], int]:
 
 
 def literal(value: Any) -> str:
-    """`value` (bool, int, float, str, list of these) as TOML text; floats exact (shortest repr)."""
+    """`value` (bool, int, float, str, lists and tables of these) as TOML text; floats exact (shortest repr)."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list):
         return "[" + ", ".join(literal(v) for v in value) + "]"
+    if isinstance(value, dict):
+        pairs = (f"{json.dumps(name, ensure_ascii=False)} = {literal(v)}" for name, v in value.items())
+        return "{ " + ", ".join(pairs) + " }" if value else "{}"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     return repr(value)
