@@ -1,0 +1,53 @@
+"""The neutral V_f of a case's Mach numbers: a rig a Mach number, the strategy the case names, every march watched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from master import confirm, flutter
+from master.boundary import BoundaryPoint, Marcher, boundary
+from master.case import Case
+from master.flutter import March
+from master.rig import FlutterRig
+
+
+def solve(
+    case: Case,
+    fmus: dict[str, Path],
+    say: Callable[[str], None],
+    on_point: Callable[[BoundaryPoint], None] = lambda point: None,
+    on_march: Callable[[FlutterRig, March], None] = lambda rig, march: None,
+    before_march: Callable[[FlutterRig, float], flutter.Watcher | None] = lambda rig, V_f: None,
+    on_rig: Callable[[FlutterRig], None] = lambda rig: None,
+) -> list[BoundaryPoint]:
+    """All Mach numbers of `case.boundary`.
+
+    `on_rig` sees each rig, `before_march` gives the watcher of a march's steps, `on_march` and `on_point` see what
+    is done. Raises AeroSloshError
+    (not ComponentError: a failing component is an outcome of its Mach number)."""
+    rigs: dict[float, FlutterRig] = {}
+
+    def open_rig(of: Case, mach: float) -> FlutterRig:
+        return FlutterRig(of, fmus, mach, None, say)
+
+    def marcher_at(mach: float) -> tuple[Marcher, Any]:
+        rigs.clear()
+        rig = rigs[mach] = open_rig(case, mach)
+        on_rig(rig)
+
+        def marcher(V_f: float) -> March:
+            march = flutter.march(rig, V_f, None, before_march(rig, V_f))
+            on_march(rig, march)
+            return march
+
+        return marcher, rig.close
+
+    b = case.boundary
+    strategy = None
+    if b.method != "march":
+        strategy = confirm.Confirm(case, rigs.__getitem__, open_rig, say, b.method == "both")
+    return boundary(
+        marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, on_point, strategy
+    )

@@ -1,0 +1,6 @@
+"""The commands of `aeroslosh`, one a module: `register(commands)` adds its words to the command line, `execute(options)` runs it
+and returns the exit code."""
+
+from master.commands import animate, boundary, drive, point
+
+COMMANDS = (point, boundary, drive, animate)

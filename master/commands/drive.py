@@ -1,0 +1,70 @@
+"""`aeroslosh drive`: one FMU alone, driven by a table."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from master import drive
+from master.component import Component
+from master.errors import AeroSloshError, ExitCode
+
+
+def register(commands: Any) -> None:
+    """The command line."""
+    text = "drive one FMU alone with a table of its inputs"
+    alone = commands.add_parser("drive", help=text, description=text)
+    alone.add_argument("fmu", type=Path, metavar="FMU", help="e.g. dist/fmus/aero.fmu")
+    alone.add_argument("--input", type=Path, required=True, metavar="CSV", help="column time [s], and inputs of the FMU by name")
+    alone.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the FMU")
+    alone.add_argument("--step", type=float, metavar="S", help="communication step [s] (default: the table's rows)")
+    alone.add_argument(
+        "--fields",
+        type=int,
+        metavar="N",
+        help="write fields for ParaView and `animate` at the first row and every N-th, to the FMU's field_folder or "
+        "fields beside --out; an earlier run's fields there are removed",
+    )
+    alone.add_argument("--out", type=Path, metavar="CSV", help="outputs (default <input>_<fmu>.csv, picture beside it)")
+    alone.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
+    alone.add_argument("--no-pictures", action="store_true", help="no picture")
+    alone.set_defaults(execute=execute)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """One FMU alone, driven by a table; CSV and picture of what comes out."""
+    table = drive.read(options.input)
+    if options.step is not None:
+        if not options.step > 0.0:
+            raise AeroSloshError(f"--step {options.step:g}", "command line", "a step above 0 [s]")
+        table = table.resampled(options.step)
+    if not options.fmu.is_file():
+        raise AeroSloshError("There is no such FMU", str(options.fmu), "build the FMUs with `make fmus`")
+    component = Component(options.fmu, options.fmu.stem)
+    drive.set_parameters(component, options.set)
+    table, derived = drive.completed(table, component.input_index)
+    if derived:
+        print(f"note: {', '.join(derived)} not in the table, taken from splines", file=sys.stderr)
+    target = options.out or options.input.with_name(f"{options.input.stem}_{options.fmu.stem}.csv")
+    if options.fields is not None and options.fields < 1:
+        raise AeroSloshError(f"--fields {options.fields}", "command line", "a number of rows, at least 1")
+    folder = drive.prepare_fields(component, target.parent / "fields") if options.fields else None
+    columns = drive.run(component, table, options.fields or 0)
+    drive.write(target, columns)
+    files = [str(target)]
+    if folder is not None:
+        files.append(os.path.relpath(folder))
+    if not options.no_pictures:
+        picture = target.with_suffix(".png")
+        drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
+        files.append(str(picture))
+    steps = table.times.size - 1
+    if options.json:
+        print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files}))
+    else:
+        print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
+    return ExitCode.OK

@@ -1,0 +1,76 @@
+"""`aeroslosh point`: march one Mach number and V_f."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from master import case as cases
+from master import flutter, outcome
+from master.case import Case
+from master.commands import common
+from master.errors import ExitCode
+from master.progress import Progress
+from master.record import RunFolder, provenance, write_history
+from master.rig import FlutterRig, find_fmus
+from master.verdict import Verdict
+
+
+def register(commands: Any) -> None:
+    """The command line."""
+    text = "march one Mach number and V_f: does it flutter?"
+    sub = commands.add_parser("point", help=text, description=text)
+    common.add_case(sub)
+    sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
+    sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f")
+    sub.set_defaults(execute=execute)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """One march."""
+    case = common.load_case(options)
+    if options.mach is not None:
+        cases.apply_override(case, f"flow.mach={options.mach!r}")
+    if options.vf is not None:
+        cases.apply_override(case, f"flutter.V_f={options.vf!r}")
+    progress = Progress(options.quiet or options.json)
+    fmus = find_fmus(options.fmus, case.slosh.model)
+    with RunFolder(common.run_folder(options, case.name)) as folder:
+        folder.write_case(case)
+        mach, V_f = case.flow.mach, case.flutter.V_f
+        fields = None
+        if case.output.fields:
+            fields = folder.path / "fields"
+            fields.mkdir()
+        with FlutterRig(case, fmus, mach, fields, lambda text: common.say(text, folder, progress)) as rig:
+            about = provenance(rig.hashes())
+            for loop in rig.system.loops:
+                folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
+            common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
+            progress.start(f"M {mach:g} V_f {V_f:.4g}")
+            march = flutter.march(rig, V_f, fields, progress.watch)
+            data = outcome.march_data(march, rig.steady_cpu)
+            common.log_messages(rig.system.components, folder)
+        folder.keep()  # a failed march's history is worth keeping
+        folder.log(outcome.march_summary(data))
+        write_history(folder.path / "history.nc", march, about)
+        _draw(case, march, folder, progress)
+        folder.write_result(data | {"provenance": about})
+        common.print_result(options, data, outcome.march_summary(data), folder)
+        if march.failure is not None:
+            folder.log(f"{march.failure}\n{march.failure.traceback}")
+            common.show(march.failure)
+            return ExitCode.COMPONENT
+        return ExitCode.UNDETERMINED if march.verdict is Verdict.UNDETERMINED else ExitCode.OK
+
+
+def _draw(case: Case, march: flutter.March, folder: RunFolder, progress: Progress) -> None:
+    if not case.output.pictures:
+        return
+    from master import plots  # matplotlib takes half a second to import
+
+    progress.say("pictures")
+    plots.histories(march, folder.path / "histories.png")
+    plots.phase(march, folder.path / "phase.png")
+    if march.fields:
+        plots.mach_field(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)
