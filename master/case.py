@@ -5,9 +5,10 @@ in degrees only where the key ends in `_deg`; everything else is SI and radians.
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import typing
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -77,12 +78,43 @@ class Flutter:
 
 @dataclass
 class Coupling:
-    """How one step couples the components."""
+    """How one step couples the components (docs/coupling.md). Components are those of the system: structure, aero, slosh."""
 
     scheme: str = key("gauss-seidel", "gauss-seidel, implicit or jacobi", choices=["gauss-seidel", "implicit", "jacobi"])
+    order: list[str] = field(
+        default_factory=list,
+        metadata=rule("order of the components in a pass; empty: the one in which the fewest inputs lag", empty=True),
+    )
     predictor_order: int = key(1, "order of the extrapolation of lagged inputs", low=0, high=2)
-    tolerance: float = key(1e-6, "implicit: change of a coupled input / its magnitude", above=0.0, high=0.1)
-    max_iterations: int = key(12, "implicit: most passes a step", low=1, high=1000)
+    substeps: dict[str, int] = field(
+        default_factory=dict, metadata=rule("component = number of steps it makes in one", low=1, high=100000, empty=True)
+    )
+    waveform: dict[str, str] = field(
+        default_factory=dict,
+        metadata=rule(
+            "component = course of its inputs in a step: hold, linear or quadratic",
+            choices=["hold", "linear", "quadratic"],
+            empty=True,
+        ),
+    )
+    tolerance: float = key(1e-6, "implicit: change of a coupled quantity / its magnitude", above=0.0, high=0.1)
+    absolute_tolerance: float = key(0.0, "implicit: a change below this will do too, in the quantity's unit", low=0.0)
+    tolerance_of: dict[str, float] = field(
+        default_factory=dict,
+        metadata=rule('tolerance of single quantities, "component.output" = value', above=0.0, high=0.1, empty=True),
+    )
+    absolute_tolerance_of: dict[str, float] = field(
+        default_factory=dict, metadata=rule("absolute_tolerance of single quantities", low=0.0, empty=True)
+    )
+    max_iterations: int = key(12, "implicit: most passes of an attempt at a step", low=1, high=1000)
+    stall_iterations: int = key(6, "implicit: passes without progress after which an attempt ends", low=1, high=1000)
+    retries: int = key(1, "implicit: further attempts at a step that does not converge", low=0, high=10)
+    acceleration: str = key(
+        "iqn-ils", "implicit: constant, aitken or iqn-ils (quasi-Newton)", choices=["constant", "aitken", "iqn-ils"]
+    )
+    relaxation: float = key(1.0, "implicit: part of the first residual that is taken (constant: of all)", above=0.0, high=2.0)
+    reuse_steps: int = key(8, "iqn-ils: earlier steps whose passes are used", low=0, high=1000)
+    filter: float = key(1e-6, "iqn-ils: columns with less new in them than this are left out", low=0.0, high=1.0)
 
 
 @dataclass
@@ -116,6 +148,9 @@ class Slosh:
     below them belong to one model, and "auto" leaves the FMU's own value."""
 
     model: str = key("none", "none (dry), frozen, ems, rbf or vof", choices=["none", "frozen", "ems", "rbf", "vof"])
+    predictor: str = key(
+        "none", "a cheaper model that foretells the slosh loads of a step: none, ems or rbf", choices=["none", "ems", "rbf"]
+    )
     split: str = key(
         "frozen",
         "frozen: the structure carries the frozen liquid and takes the residual loads; none: it takes the whole loads",
@@ -144,6 +179,24 @@ class Slosh:
 
 
 @dataclass
+class Sweep:
+    """Many points from one case: what each computes, and which keys take which values (module `plan` reads them)."""
+
+    command: str = key("point", "what each point computes: point, boundary", choices=["point", "boundary"])
+    mode: str = key(
+        "grid",
+        "grid: every combination; list: the first values together, then the second ones, …; latin-hypercube: drawn from ranges",
+        choices=["grid", "list", "latin-hypercube"],
+    )
+    samples: int = key(20, "latin-hypercube: points", low=1, high=100000)
+    seed: int = key(1, "latin-hypercube: seed of the random numbers", low=0)
+    parameters: dict[str, Any] = field(
+        default_factory=dict,
+        metadata=rule('"table.key" = [values], or { from, to, count, spacing = "linear" or "log" }'),
+    )
+
+
+@dataclass
 class Output:
     """What a run writes."""
 
@@ -163,6 +216,7 @@ class Case:
     coupling: Coupling = field(default_factory=Coupling)
     boundary: Boundary = field(default_factory=Boundary)
     slosh: Slosh = field(default_factory=Slosh)
+    sweep: Sweep = field(default_factory=Sweep)
     output: Output = field(default_factory=Output)
 
 
@@ -189,14 +243,35 @@ def apply_override(case: Case, override: str) -> None:
     _check_together(case, f"--set {override}")
 
 
+def changed(case: Case, values: Mapping[str, Any], where: str) -> Case:
+    """A copy of `case` with the keys `values` (table.key → value), checked together. Raises AeroSloshError."""
+    copied = copy.deepcopy(case)
+    for dotted, value in values.items():
+        table, _, name = dotted.partition(".")
+        settings.assign(getattr(copied, table), table, name, value, f"{where}, key {dotted}")
+    _check_together(copied, where)
+    return copied
+
+
 def dump(case: Case) -> str:
     """The resolved case as TOML, each key with its unit and description."""
     return f"# resolved case {case.name}: every key with its value, unit and meaning\n{settings.dump(case, TABLES)}"
 
 
+def flat(case: Case) -> dict[str, Any]:
+    """All settings as "table.key" → value."""
+    return settings.flat(case, TABLES)
+
+
 def _check_together(case: Case, where: str) -> None:
     """What no single key can tell."""
     s, f, b = case.section, case.flutter, case.boundary
+    if case.slosh.predictor == case.slosh.model != "none" or (case.slosh.predictor != "none" and case.slosh.model == "none"):
+        raise AeroSloshError(
+            f'slosh.predictor = "{case.slosh.predictor}" for slosh.model = "{case.slosh.model}"',
+            where,
+            "a cheaper model of the moving liquid predicts a dearer one: ems or rbf for vof, ems for rbf",
+        )
     if s.r2_alpha <= s.x_alpha**2:
         raise AeroSloshError(
             f"section.r2_alpha = {s.r2_alpha:g} is not above x_alpha^2 = {s.x_alpha**2:g}: the mass matrix is not positive",

@@ -105,6 +105,8 @@ class Component:
             )
         self.variables: dict[str, Any] = {v.name: v for v in self.description.modelVariables}
         self.can_rewind = bool(simulation.canGetAndSetFMUstate)
+        self.can_serialize = self.can_rewind and bool(simulation.canSerializeFMUstate)
+        self.can_interpolate = bool(simulation.canInterpolateInputs)
         self.cpu = self.wall = self.time = 0.0
         self.steps = 0
         self.messages: deque[tuple[int, str]] = deque(maxlen=log_lines)
@@ -242,6 +244,41 @@ class Component:
         """Free a saved state."""
         with self.calling("fmi2FreeFMUstate") as fmu:
             fmu.freeFMUState(saved.state)
+
+    def serialized(self) -> bytes:
+        """The FMU's whole state, to be restored in another process. Raises AeroSloshError when the FMU cannot."""
+        if not self.can_serialize:
+            raise self.no_serialization()
+        saved = self.save()
+        try:
+            with self.calling("fmi2SerializeFMUstate") as fmu:
+                return fmu.serializeFMUstate(saved.state)
+        finally:
+            self.free(saved)
+
+    def no_serialization(self) -> AeroSloshError:
+        """What to say when the FMU cannot serialise."""
+        return AeroSloshError(
+            f"{self.name} cannot write its state to a file (canSerializeFMUstate is false)",
+            str(self.path),
+            "run without checkpoints, or take another export of this FMU",
+        )
+
+    def restore(self, data: bytes, time: float, steps: int) -> None:
+        """Return to a state `serialized` in another process, `time` [s] and `steps` of it, and read the outputs."""
+        with self.calling("fmi2DeSerializeFMUstate") as fmu:
+            saved = Saved(fmu.deSerializeFMUstate(data), time, steps)
+        self.rewind(saved)
+        self.free(saved)
+        self.state = "ready"
+
+    def set_input_derivatives(self, first: np.ndarray, second: np.ndarray | None) -> None:
+        """Time derivatives [1/s, 1/s²] of all Real inputs at the start of the next step. Shape: (n_inputs,)."""
+        references = [self.variables[name].valueReference for name in self.inputs.names]
+        with self.calling("fmi2SetRealInputDerivatives") as fmu:
+            for order, values in enumerate((first, second), start=1):
+                if values is not None:
+                    fmu.setRealInputDerivatives(references, [order] * len(references), values.tolist())
 
     # inside
 

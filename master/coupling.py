@@ -1,32 +1,43 @@
 """One communication step of a system, by the scheme the case names.
 
-Inputs are values at the END of the step. A scheme is a small class with a `name`, `reset(system)` (after
-initialisation or a rewind) and `step(system, dt)`; quasi-Newton schemes fit the same face.
+Inputs are values at the END of the step. A scheme is a small class with a `name`, `reset(system)` (after initialisation or a
+rewind), `step(system, dt)`, and `state()`, `restore()` for checkpoints.
 
 What a lagged load does (docs/coupling.md): the inertia of a fluid of mass ratio ε that acts d steps late damps a motion of
 frequency ω by ε/(1+ε)/2 · ω · d · dt, which no structure has."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from master.acceleration import Aitken, Relaxation
-from master.errors import AeroSloshError
+from master.extrapolation import Extrapolation
+from master.surrogate import Surrogate
 from master.system import System
-
-EXTRAPOLATION = {0: (1.0,), 1: (2.0, -1.0), 2: (3.0, -3.0, 1.0)}  # weights of y_n, y_{n-1}, y_{n-2}
 
 
 @dataclass(frozen=True)
 class StepReport:
-    """What one step took: passes over the components, the last relative change, and whether it was small enough."""
+    """What one step took.
+
+    passes     over the components, of all attempts
+    change     the last relative change of a lagged wire; the largest of them
+    converged  whether it was small enough; `outcome` says why not ("stalled", "passes used up")
+    attempts   1, and one for each retry
+    worst      the wire with the largest change"""
 
     passes: int = 1
     change: float = 0.0
     converged: bool = True
+    outcome: str = "converged"
+    attempts: int = 1
+    worst: str = ""
+
+
+ONE_PASS = StepReport()
 
 
 class Scheme(Protocol):
@@ -35,37 +46,64 @@ class Scheme(Protocol):
     name: str
 
     def reset(self, system: System) -> None:
-        """Start a march: forget all history."""
+        """Start a march: forget all history. Raises AeroSloshError where a component lacks what the scheme needs."""
 
     def step(self, system: System, dt: float) -> StepReport:
         """Advance all components by `dt` [s]."""
 
+    def state(self) -> dict[str, np.ndarray]:
+        """What `restore` needs between two steps."""
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Return to a `state` (after `reset`)."""
+
 
 class Predictor:
-    """Extrapolates what the lagged wires will carry, by a polynomial of `order` 0, 1 or 2 through the last values."""
+    """What the wires will carry at the end of the step: extrapolated by a polynomial of `order` 0, 1 or 2; what a component
+    with a surrogate will answer is foretold by that."""
 
     def __init__(self, order: int) -> None:
         self.order = order
-        self._weights = np.array(EXTRAPOLATION[order])
 
     def reset(self, system: System) -> None:
         """All earlier values equal the present ones: the march starts at rest."""
-        self._past = np.tile(system.wire_values(), (self.order + 1, 1))
+        self._wires = Extrapolation(self.order, system.wire_values())
+        self._surrogates = [Surrogate(system, name, self.order) for name in system.surrogates]
 
-    def carried(self) -> np.ndarray:
-        """The prediction for the end of the step, every wire. Shape: (n_wires,)."""
-        return self._weights @ self._past
+    def carried(self, system: System, dt: float) -> np.ndarray:
+        """The prediction for every wire. Shape: (n_wires,)."""
+        carried = self._wires.next()
+        for surrogate in self._surrogates:
+            surrogate.foretell(system, carried, dt)
+        return carried
 
-    def push(self, carried: np.ndarray) -> None:
-        """Note what the wires carry at the end of the step done."""
-        self._past[1:] = self._past[:-1]
-        self._past[0] = carried
+    def held(self) -> np.ndarray:
+        """What the wires carried at the start of the step."""
+        return self._wires.past[0].copy()
+
+    def push(self, system: System, dt: float) -> None:
+        """The step is done: note what the wires carry at its end."""
+        self._wires.push(system.wire_values())
+        for surrogate in self._surrogates:
+            surrogate.follow(system, dt)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """For `restore`."""
+        state = {"wires": self._wires.past}
+        for surrogate in self._surrogates:
+            state |= {f"{surrogate.name}.{key}": value for key, value in surrogate.state().items()}
+        return state
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Return to a `state`."""
+        self._wires.past[:] = state["wires"]
+        for surrogate in self._surrogates:
+            start = f"{surrogate.name}."
+            surrogate.restore({k.removeprefix(start): v for k, v in state.items() if k.startswith(start)})
 
 
-class GaussSeidel:
-    """One pass in the order of the components; what is not yet known is extrapolated. Second order with order ≥ 1."""
-
-    name = "gauss-seidel"
+class _Explicit:
+    """What the schemes of one pass share."""
 
     def __init__(self, predictor_order: int = 1) -> None:
         self.predictor = Predictor(predictor_order)
@@ -74,121 +112,41 @@ class GaussSeidel:
         """Start a march."""
         self.predictor.reset(system)
 
+    def state(self) -> dict[str, np.ndarray]:
+        """For `restore`."""
+        return self.predictor.state()
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Return to a `state`."""
+        self.predictor.restore(state)
+
+
+class GaussSeidel(_Explicit):
+    """One pass in the order of the components; what is not yet known is extrapolated. Second order with order ≥ 1."""
+
+    name = "gauss-seidel"
+
     def step(self, system: System, dt: float) -> StepReport:
         """One pass."""
-        one_pass(system, self.predictor.carried(), dt)
-        self.predictor.push(system.wire_values())
-        return StepReport()
+        system.begin_step(dt)
+        system.one_pass(self.predictor.carried(system, dt), dt)
+        self.predictor.push(system, dt)
+        return ONE_PASS
 
 
-class Jacobi:
+class Jacobi(_Explicit):
     """One pass in which every component sees extrapolated values alone: components could run at the same time.
 
     With order 0 the motion reaches the fluids a step late and their loads come back a step late."""
 
     name = "jacobi"
 
-    def __init__(self, predictor_order: int = 1) -> None:
-        self.predictor = Predictor(predictor_order)
-
-    def reset(self, system: System) -> None:
-        """Start a march."""
-        self.predictor.reset(system)
-
     def step(self, system: System, dt: float) -> StepReport:
         """One pass."""
-        carried = self.predictor.carried()
+        system.begin_step(dt)
+        carried = self.predictor.carried(system, dt)
         for i in range(len(system.components)):
             system.feed(i, carried)
             system.step_component(i, dt)
-        self.predictor.push(system.wire_values())
-        return StepReport()
-
-
-class Implicit:
-    """Repeats the step from saved states until what the lagged wires carry no longer changes.
-
-    A pass maps x (assumed values on the lagged wires) to H(x) (the values the pass ends with). Converged when
-    |H(x) − x| ≤ tolerance (|H(x)| + largest magnitude seen on that wire), every wire. Not converged in
-    `max_iterations`: the last pass stands and the report says so.
-    """
-
-    name = "implicit"
-
-    def __init__(
-        self,
-        predictor_order: int = 1,
-        tolerance: float = 1e-6,
-        max_iterations: int = 12,
-        relaxation: Relaxation | None = None,
-    ) -> None:
-        self.predictor = Predictor(predictor_order)
-        self.tolerance, self.max_iterations = tolerance, max_iterations
-        self.relaxation = relaxation or Aitken()
-
-    def reset(self, system: System) -> None:
-        """Start a march. Raises AeroSloshError when a component cannot rewind."""
-        for component in system.components:
-            if not component.can_rewind:
-                raise AeroSloshError(
-                    f"Implicit coupling repeats steps, but '{component.name}' cannot rewind",
-                    f'coupling.scheme = "implicit", {component.path.name} (canGetAndSetFMUstate is false)',
-                    'use coupling.scheme = "gauss-seidel", or another export of this FMU',
-                )
-        self.predictor.reset(system)
-        self._scale = np.abs(system.wire_values()[system.lagged_array])
-
-    def step(self, system: System, dt: float) -> StepReport:
-        """Passes until converged."""
-        lagged = system.lagged_array
-        carried = self.predictor.carried()
-        if not lagged.size:
-            one_pass(system, carried, dt)
-            self.predictor.push(system.wire_values())
-            return StepReport()
-        self.relaxation.start()
-        saved = [component.save() for component in system.components]
-        change, converged, passes = np.inf, False, 0
-        size = np.ones(lagged.size)  # magnitudes in which the relaxation sees the wires, fixed for the step
-        try:
-            while True:
-                one_pass(system, carried, dt)
-                passes += 1
-                result = system.wire_values()[lagged]
-                residual = result - carried[lagged]
-                np.maximum(self._scale, np.abs(result), out=self._scale)
-                allowed = np.abs(result) + self._scale
-                scaled = residual / np.where(allowed > 0.0, allowed, 1.0)
-                change = float(np.max(np.abs(scaled)))
-                converged = change <= self.tolerance
-                if converged or passes >= self.max_iterations:
-                    break
-                if passes == 1:
-                    size = np.where(self._scale > 0.0, self._scale, 1.0)
-                carried[lagged] = size * self.relaxation.next(carried[lagged] / size, residual / size)
-                for component, state in zip(system.components, saved, strict=True):
-                    component.rewind(state)
-        finally:
-            for component, state in zip(system.components, saved, strict=True):
-                component.free(state)
-        self.predictor.push(system.wire_values())
-        return StepReport(passes, change, converged)
-
-
-def one_pass(system: System, carried: np.ndarray, dt: float) -> None:
-    """Step every component in order; `carried` holds the assumed values of the lagged wires. Others are fresh."""
-    lagged = system.lagged_array
-    for i in range(len(system.components)):
-        now = system.wire_values()
-        now[lagged] = carried[lagged]
-        system.feed(i, now)
-        system.step_component(i, dt)
-
-
-def make(scheme: str, predictor_order: int, tolerance: float, max_iterations: int) -> Scheme:
-    """The scheme called `scheme`."""
-    if scheme == Implicit.name:
-        return Implicit(predictor_order, tolerance, max_iterations)
-    if scheme == Jacobi.name:
-        return Jacobi(predictor_order)
-    return GaussSeidel(predictor_order)
+        self.predictor.push(system, dt)
+        return ONE_PASS

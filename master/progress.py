@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time as clock
 
-from master.rig import FlutterRig
+from master.system import System
 
 
 class Progress:
@@ -30,7 +30,7 @@ class Progress:
         """A march begins."""
         self.label, self._begin, self._quarter, self._shown = label, clock.perf_counter(), 0, 0.0
 
-    def watch(self, step: int, steps: int, rig: FlutterRig) -> None:
+    def watch(self, step: int, steps: int, system: System) -> None:
         """After each step: at most five updates a second, or a line a quarter of the march."""
         if self.quiet:
             return
@@ -39,20 +39,20 @@ class Progress:
             if now - self._shown < 0.2 and step < steps:
                 return
             self._shown = now
-            text = self._text(step, steps, rig, now)
+            text = self._text(step, steps, system, now)
             self._width = max(self._width, len(text))
             print("\r" + text.ljust(self._width), end="", file=sys.stderr, flush=True)
             if step == steps:
                 self._clear()
         elif 4 * step // steps > self._quarter:
             self._quarter = 4 * step // steps
-            print(self._text(step, steps, rig, now), file=sys.stderr, flush=True)
+            print(self._text(step, steps, system, now), file=sys.stderr, flush=True)
 
-    def _text(self, step: int, steps: int, rig: FlutterRig, now: float) -> str:
+    def _text(self, step: int, steps: int, system: System, now: float) -> str:
         spent = now - self._begin
         left = spent / step * (steps - step)
-        total = sum(c.cpu for c in rig.system.components) or 1.0
-        shares = "  ".join(f"{c.name} {100.0 * c.cpu / total:.0f} %" for c in rig.system.components)
+        total = sum(c.cpu for c in system.components) or 1.0
+        shares = "  ".join(f"{c.name} {100.0 * c.cpu / total:.0f} %" for c in system.components)
         return f"  {self.label}  step {step}/{steps}  {left:.0f} s left  cost: {shares}"
 
     def _clear(self) -> None:

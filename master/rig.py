@@ -11,8 +11,9 @@ from master import slosh
 from master.case import Case
 from master.component import Component, Saved
 from master.errors import AeroSloshError
+from master.scheme import assemble
 from master.similarity import Scales, scales
-from master.system import System, wires
+from master.system import wires
 
 WIRES = """
 structure.h -> aero.h
@@ -27,9 +28,10 @@ aero.moment -> structure.moment
 NEEDED = ("structure", "aero")
 
 
-def find_fmus(folder: Path, model: str = "none") -> dict[str, Path]:
-    """The FMU files of `folder` by component name, with that of the slosh `model`. Raises AeroSloshError when one is missing."""
-    found = {name: folder / f"{name}.fmu" for name in (*NEEDED, *slosh.needed(model))}
+def find_fmus(folder: Path, *models: str) -> dict[str, Path]:
+    """The FMU files of `folder` by component name, with those of the liquid's `models`. Raises AeroSloshError when one is
+    missing."""
+    found = {name: folder / f"{name}.fmu" for name in (*NEEDED, *slosh.needed(models))}
     missing = [path.name for path in found.values() if not path.is_file()]
     if missing == ["slosh_rbf.fmu"]:
         raise AeroSloshError(
@@ -69,7 +71,8 @@ class FlutterRig:
         components, lines = [self.structure, self.aero], WIRES.strip().splitlines()
         if moving is not None:
             components, lines = [*components, moving], lines + slosh.wiring(case.slosh.split)
-        self.system = System(components, wires(lines))
+        surrogate = self.tank.surrogate if self.tank else None
+        self.system = assemble(components, wires(lines), case.coupling, {"slosh": surrogate} if surrogate else {})
         self._steady: Saved | None = None
         say(f"steady flow at Mach {mach:g}")
         try:
@@ -100,7 +103,7 @@ class FlutterRig:
 
     def hashes(self) -> dict[str, str]:
         """SHA-256 of every FMU, by component."""
-        return {c.name: c.sha256 for c in self.system.components} | ({"slosh": self.tank.sha256} if self.tank else {})
+        return {c.name: c.sha256 for c in self.system.everyone} | ({"slosh": self.tank.sha256} if self.tank else {})
 
     def start(self, V_f: float) -> Scales:
         """Ready the FMUs for a march at `V_f`: aero at its steady flow, a new structure in trim, a new liquid at rest."""

@@ -28,9 +28,12 @@ def rule(
     high: float | None = None,
     above: float | None = None,
     choices: Sequence[str] = (),
+    empty: bool = False,
 ) -> dict[str, Any]:
-    """What a key allows: `low` <= value <= `high`, value > `above`, `choices` for words."""
-    return {"doc": doc, "unit": unit, "low": low, "high": high, "above": above, "choices": tuple(choices)}
+    """What a key allows: `low` <= value <= `high`, value > `above`, `choices` for words; of lists and inline tables each entry,
+    and whether there may be none."""
+    limits = {"low": low, "high": high, "above": above, "choices": tuple(choices), "empty": empty}
+    return {"doc": doc, "unit": unit} | limits
 
 
 def key(default: Any, *words: Any, **limits: Any) -> Any:
@@ -85,23 +88,37 @@ def assign(target: Any, table: str, name: str, value: Any, where: str) -> None:
 
 def override(holder: Any, tables: Mapping[str, Any], text: str) -> None:
     """Apply one `table.key=value`; the value is read as TOML, else as a word."""
-    dotted, equals, written = text.partition("=")
+    dotted, equals, value = text.partition("=")
     table, dot, name = dotted.strip().partition(".")
     where = f"--set {text}"
     if not (equals and dot and table and name):
         raise AeroSloshError("An override has the form section.key=value", where, "for instance --set flow.mach=0.8")
     if table not in tables:
         raise AeroSloshError(f"Unknown table '{table}'", where, nearest(table, list(tables), "the tables are"))
+    assign(getattr(holder, table), table, name, written(value), where)
+
+
+def written(text: str) -> Any:
+    """A value as a command line gives it: TOML, else a word."""
     try:
-        value = tomllib.loads(f"value = {written.strip()}")["value"]
+        return tomllib.loads(f"value = {text.strip()}")["value"]
     except tomllib.TOMLDecodeError:
-        value = written.strip()
-    assign(getattr(holder, table), table, name, value, where)
+        return text.strip()
 
 
 def dump(holder: Any, tables: Mapping[str, Any]) -> str:
     """The tables as TOML, each key with its unit and description."""
     return "".join(f"\n[{table}]\n{dump_table(getattr(holder, table))}" for table in tables)
+
+
+def flat(holder: Any, tables: Mapping[str, Any]) -> dict[str, Any]:
+    """All settings as "table.key" → value."""
+    return {
+        f"{table}.{f.name}": getattr(t, f.name)
+        for table in tables
+        for t in [getattr(holder, table)]
+        for f in dataclasses.fields(t)
+    }
 
 
 def dump_table(content: Any) -> str:
@@ -118,7 +135,7 @@ def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
     """`value` as the type `hint`, inside the field's range; raises with the remedy."""
     if typing.get_origin(hint) is list:
         kind, example = ("texts", '["a", "b"]') if str in typing.get_args(hint) else ("numbers", "[0.8, 0.85]")
-        if not isinstance(value, list) or not value:
+        if not isinstance(value, list) or not (value or rule["empty"]):
             raise AeroSloshError(f"{name} is a list of {kind}, not {value!r}", where, f"write {name.split('.')[-1]} = {example}")
         return [_checked(v, typing.get_args(hint)[0], rule, name, where) for v in value]
     if hint is Any:

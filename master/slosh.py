@@ -9,6 +9,7 @@ the slosh FMU at rest, which is then not stepped. Whatever load the liquid has a
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,12 +25,12 @@ LABEL = {"none": "dry", "frozen": "frozen liquid", "ems": "linear slosh (EMS)", 
 LOADS = {"frozen": ("force_y_residual", "moment_residual"), "none": ("force_y", "moment")}  # split → outputs that are wired
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
 CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
-CASE_ONLY = ("model", "split")  # keys of the table [slosh] that are no parameters of an FMU
+CASE_ONLY = ("model", "predictor", "split")  # keys of the table [slosh] that are no parameters of an FMU
 
 
-def needed(model: str) -> tuple[str, ...]:
-    """The FMU a model needs beside structure and aero."""
-    return (FMU[model],) if model in FMU else ()
+def needed(models: Sequence[str]) -> tuple[str, ...]:
+    """The FMUs that models of the liquid need beside structure and aero."""
+    return tuple(FMU[model] for model in models if model in FMU)
 
 
 def wiring(split: str) -> list[str]:
@@ -67,6 +68,7 @@ class Tank:
     carried  parameters of the structure: `liquid_*`, or none with split "none"
     rest     (force up [N/m], moment nose-up [N]) of the wired loads at rest, to be trimmed out
     moving   the component to step, named "slosh"; None for the model "frozen"
+    surrogate  the cheaper model that predicts it, named "slosh_predictor"; None without
     Raises ComponentError when the FMU fails, AeroSloshError when it is none of a slosh model."""
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
@@ -91,6 +93,11 @@ class Tank:
             raise
         self.sha256 = component.sha256
         self.moving: Component | None = component
+        self.surrogate: Component | None = None
+        if settings.predictor != "none" and settings.model != "frozen":
+            self.surrogate = Component(fmus[FMU[settings.predictor]], "slosh_predictor")
+            self._surrogate_parameters = parameters(settings, self.surrogate.variables)
+            self.surrogate.set_all(self._surrogate_parameters)
         if settings.model == "frozen":  # its constants are all there is to it: the load at rest is the weight, held by the trim
             component.close()
             self.moving, self.rest = None, (0.0, 0.0)
@@ -100,3 +107,6 @@ class Tank:
         if self.moving is not None:
             self.moving.restart()
             self.moving.set_all(self._parameters)
+        if self.surrogate is not None:
+            self.surrogate.restart()
+            self.surrogate.set_all(self._surrogate_parameters)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from master.acceleration import Aitken
 from master.component import Component
 from master.errors import AeroSloshError
+from master.pace import Pace, Stride
 
 INITIAL_PASSES = 30
 RENAMED = {"": "1", None: "1", "-": "1"}  # ways of writing "no unit"
@@ -41,41 +42,59 @@ def wires(text: str | Iterable[str]) -> list[Wire]:
 class System:
     """Components stepped in the order given, and their wires.
 
+    paces       component → how it goes through a step (module `pace`); others step once
+    surrogates  component → a cheaper model with the same inputs and outputs that foretells its answer (module `surrogate`)
     values   all Real outputs of all components, one after the other. Shape: (n_outputs,)
     lagged   positions in `wires` whose source is stepped after (or is) the target: the schemes must predict these
     loops    each algebraic loop found, as the names along it (direct feed-through by the model descriptions)
     Raises AeroSloshError when a wire's ends do not exist, do not fit, or an input is wired twice."""
 
-    def __init__(self, components: Sequence[Component], connections: Sequence[Wire]) -> None:
+    def __init__(
+        self,
+        components: Sequence[Component],
+        connections: Sequence[Wire],
+        paces: Mapping[str, Pace] | None = None,
+        surrogates: Mapping[str, Component] | None = None,
+    ) -> None:
         self.components = list(components)
-        names = [c.name for c in components]
+        self.surrogates = dict(surrogates or {})
+        names = [c.name for c in self.everyone]
         if len(set(names)) != len(names):
             raise AeroSloshError(f"Two components have the same name: {names}", "system", "name each component once")
         self._by_name = {c.name: c for c in components}
         self.wires = list(connections)
         self._check()
+        self.place = {c.name: i for i, c in enumerate(components)}
         offsets = np.cumsum([0] + [len(c.outputs.names) for c in components])
         self._slices = [slice(offsets[i], offsets[i + 1]) for i in range(len(components))]
         self.values = np.zeros(int(offsets[-1]))
-        self._source = np.empty(len(self.wires), dtype=np.intp)  # position in `values`
-        self.lagged: list[int] = []
-        self._incoming: list[tuple[np.ndarray, np.ndarray]] = []  # per component: wires, input positions
-        place = {name: i for i, name in enumerate(names)}
-        for k, wire in enumerate(self.wires):
-            (a, x), (b, _) = self._ends(wire)
-            self._source[k] = offsets[place[a]] + self._by_name[a].output_index[x]
-            if place[a] >= place[b]:
-                self.lagged.append(k)
-        for component in components:
-            mine = [k for k, w in enumerate(self.wires) if self._ends(w)[1][0] == component.name]
-            inputs = [component.input_index[self._ends(self.wires[k])[1][1]] for k in mine]
-            self._incoming.append((np.array(mine, dtype=np.intp), np.array(inputs, dtype=np.intp)))
+        sources = [self._ends(wire)[0] for wire in self.wires]
+        targets = [self._ends(wire)[1] for wire in self.wires]
+        at = [offsets[self.place[a]] + self._by_name[a].output_index[x] for a, x in sources]
+        self.source = np.array(at, dtype=np.intp)  # position in `values`
+        lagged = [self.place[a] >= self.place[b] for (a, _), (b, _) in zip(sources, targets, strict=True)]
+        self.lagged = [k for k, late in enumerate(lagged) if late]
         self.lagged_array = np.array(self.lagged, dtype=np.intp)
+        self._incoming = []  # per component: wires, input positions
+        self._fresh = []  # per component: wires it feeds whose targets are stepped later in the pass
+        for component in components:
+            mine = [k for k, (b, _) in enumerate(targets) if b == component.name]
+            inputs = [component.input_index[targets[k][1]] for k in mine]
+            self._incoming.append((np.array(mine, dtype=np.intp), np.array(inputs, dtype=np.intp)))
+            mine = [k for k, (a, _) in enumerate(sources) if a == component.name and not lagged[k]]
+            self._fresh.append(np.array(mine, dtype=np.intp))
+        self.strides = [Stride(c, (paces or {}).get(c.name, Pace())) for c in components]
+        self._waves = any(stride.pace.waveform != "hold" for stride in self.strides)
         self.loops = self._find_loops()
         self.initial_change = 0.0
 
     def __getitem__(self, name: str) -> Component:
         return self._by_name[name]
+
+    @property
+    def everyone(self) -> list[Component]:
+        """Components and surrogates."""
+        return [*self.components, *self.surrogates.values()]
 
     def initialize(self, start_time: float = 0.0) -> None:
         """Initialise every component not yet initialised, with consistent initial inputs along the wires.
@@ -99,15 +118,24 @@ class System:
             self.collect()
             change = self.wire_values()[lagged] - carried[lagged]
             size = np.maximum(np.abs(carried[lagged]), np.abs(change))
-            self.initial_change = float(np.max(np.abs(change) / np.where(size > 0.0, size, 1.0), initial=0.0))
+            size = np.where(size > 0.0, size, 1.0)
+            self.initial_change = float(np.max(np.abs(change) / size, initial=0.0))
             if self.initial_change <= 1e-12:
                 break
-            carried[lagged] = relaxation.next(carried[lagged], change)
+            carried[lagged] = relaxation.next(carried[lagged], change, np.ones(lagged.size))
         for component in fresh:
             component.exit_initialization()
         self.collect()
         for i in range(len(self.components)):
             self.feed(i, self.wire_values())
+        for name, surrogate in self.surrogates.items():
+            if surrogate.state == "instantiated":
+                surrogate.enter_initialization(start_time)
+                self.feed_surrogate(name, self.wire_values())
+                surrogate.inputs.set()
+                surrogate.exit_initialization()
+        for stride in self.strides:
+            stride.reset()
 
     def collect(self) -> None:
         """Read the outputs of all components into `values`."""
@@ -117,22 +145,51 @@ class System:
 
     def wire_values(self) -> np.ndarray:
         """What each wire carries now. Shape: (n_wires,)."""
-        return self.values[self._source]
+        return self.values[self.source]
 
     def feed(self, i: int, carried: np.ndarray) -> None:
         """Put `carried` (one value a wire) into the input buffer of component `i`."""
         mine, inputs = self._incoming[i]
         self.components[i].inputs.values[inputs] = carried[mine]
 
+    def feed_surrogate(self, name: str, carried: np.ndarray) -> None:
+        """Put `carried` into the inputs of the surrogate of component `name`: those by the same names."""
+        surrogate, main = self.surrogates[name], self._by_name[name]
+        mine, inputs = self._incoming[self.place[name]]
+        for k, position in zip(mine, inputs, strict=True):
+            surrogate.inputs.values[surrogate.input_index[main.inputs.names[position]]] = carried[k]
+
+    def begin_step(self, dt: float) -> None:
+        """A communication step of `dt` [s] begins: the components' inputs start from what the wires carry now."""
+        if not self._waves:
+            return
+        carried = self.wire_values()
+        for i, stride in enumerate(self.strides):
+            self.feed(i, carried)
+            stride.begin(self.components[i].inputs.values, dt)
+
+    def one_pass(self, carried: np.ndarray, dt: float) -> None:
+        """Step every component in order; `carried` holds the assumed values of the lagged wires. Others are fresh."""
+        now = carried.copy()
+        for i in range(len(self.components)):
+            self.feed(i, now)
+            self.step_component(i, dt)
+            fresh = self._fresh[i]
+            if fresh.size:
+                now[fresh] = self.values[self.source[fresh]]
+
     def step_component(self, i: int, dt: float) -> None:
         """Step component `i` with the inputs fed, and take its outputs into `values`."""
-        component = self.components[i]
-        component.step(dt)
-        self.values[self._slices[i]] = component.outputs.values
+        self.strides[i].step(dt)
+        self.take(i)
+
+    def take(self, i: int) -> None:
+        """The outputs of component `i`, as read last, into `values`."""
+        self.values[self._slices[i]] = self.components[i].outputs.values
 
     def close(self) -> None:
         """Free all instances."""
-        for component in self.components:
+        for component in self.everyone:
             component.close()
 
     # checks
@@ -163,6 +220,25 @@ class System:
                     "keep one of them",
                 )
             wired[wire.target] = wire
+        self._check_surrogates()
+
+    def _check_surrogates(self) -> None:
+        for name, surrogate in self.surrogates.items():
+            if name not in self._by_name:
+                raise AeroSloshError(
+                    f"'{surrogate.name}' predicts '{name}', which is no component",
+                    "system",
+                    f"components are: {', '.join(self._by_name)}",
+                )
+            ends = [self._ends(wire) for wire in self.wires]
+            lacks = [y for _, (b, y) in ends if b == name and y not in surrogate.input_index]
+            lacks += [x for (a, x), _ in ends if a == name and x not in surrogate.output_index]
+            if lacks:
+                raise AeroSloshError(
+                    f"'{surrogate.name}' cannot predict '{name}': it has no Real {', '.join(dict.fromkeys(lacks))}",
+                    surrogate.path.name,
+                    "a predicting model has the wired inputs and outputs of the model it stands for",
+                )
 
     def _check_end(self, wire: Wire, end: tuple[str, str], causality: str) -> None:
         component, variable = end

@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
+from master import checkpoint
 from master.case import Case
+from master.checkpoint import Checkpoint, Keeper
 from master.component import Component
 from master.errors import AeroSloshError, ComponentError
 from master.progress import Progress
@@ -44,6 +46,37 @@ def add_output(sub: argparse.ArgumentParser, out: str) -> None:
     sub.add_argument("--quiet", action="store_true", help="no progress")
 
 
+def add_checkpoint(sub: argparse.ArgumentParser) -> None:
+    """Arguments of commands that make one long march."""
+    sub.add_argument("--checkpoint", type=Path, metavar="FILE", help="write the march to FILE as it goes (see --every)")
+    sub.add_argument("--every", type=int, metavar="N", default=500, help="steps between two checkpoints (default 500)")
+    sub.add_argument("--restart", type=Path, metavar="FILE", help="go on from a checkpoint, as if there had been no interruption")
+
+
+def keeper(options: argparse.Namespace, settings: dict[str, Any], hashes: dict[str, str]) -> Keeper | None:
+    """What writes the checkpoints asked for. Raises AeroSloshError."""
+    if options.checkpoint is None:
+        return None
+    if options.every < 1:
+        raise AeroSloshError(f"--every {options.every}", "command line", "a number of steps, at least 1")
+    if not options.checkpoint.absolute().parent.is_dir():
+        raise AeroSloshError("There is no folder for the checkpoint", str(options.checkpoint), "create it, or name another file")
+    return Keeper(options.checkpoint, options.every, {"case": settings, "fmu_sha256": hashes})
+
+
+def restart(
+    options: argparse.Namespace, settings: dict[str, Any], hashes: dict[str, str], free: tuple[str, ...]
+) -> Checkpoint | None:
+    """The checkpoint to go on from, if one is asked for; settings but for those in `free` must be those it was written with.
+
+    Raises AeroSloshError."""
+    if options.restart is None:
+        return None
+    found = checkpoint.read(options.restart)
+    checkpoint.check(found, settings, hashes, free)
+    return found
+
+
 def default_fmus() -> Path:
     """AEROSLOSH_FMUS, or dist/fmus beside the checkout."""
     return Path(os.environ.get("AEROSLOSH_FMUS") or Path(__file__).resolve().parents[2] / "dist" / "fmus")
@@ -51,9 +84,8 @@ def default_fmus() -> Path:
 
 def load_case(options: argparse.Namespace) -> Case:
     """The case with what the command line changes in it."""
-    case = cases.load(options.case, options.set)
-    if options.slosh is not None:
-        cases.apply_override(case, f"slosh.model={options.slosh}")
+    liquid = [f"slosh.model={options.slosh}"] if options.slosh is not None else []
+    case = cases.load(options.case, [*options.set, *liquid])
     if options.no_pictures:
         case.output.pictures = case.output.fields = False
     return case

@@ -15,6 +15,8 @@ from master.record import RunFolder, provenance, write_history
 from master.rig import FlutterRig, find_fmus
 from master.verdict import Verdict
 
+FREE = ("flutter.free_cycles", "output.pictures", "output.fields")  # what may differ from the checkpoint's: a march may grow
+
 
 def register(commands: Any) -> None:
     """The command line."""
@@ -23,6 +25,7 @@ def register(commands: Any) -> None:
     common.add_case(sub)
     sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
     sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f")
+    common.add_checkpoint(sub)
     sub.set_defaults(execute=execute)
 
 
@@ -34,7 +37,7 @@ def execute(options: argparse.Namespace) -> int:
     if options.vf is not None:
         cases.apply_override(case, f"flutter.V_f={options.vf!r}")
     progress = Progress(options.quiet or options.json)
-    fmus = find_fmus(options.fmus, case.slosh.model)
+    fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         mach, V_f = case.flow.mach, case.flutter.V_f
@@ -48,7 +51,10 @@ def execute(options: argparse.Namespace) -> int:
                 folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
             common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
-            march = flutter.march(rig, V_f, fields, progress.watch)
+            settings, hashes = cases.flat(case), rig.hashes()
+            keeper = common.keeper(options, settings, hashes)
+            start = common.restart(options, settings, hashes, FREE)
+            march = flutter.march(rig, V_f, fields, progress.watch, keeper, start)
             data = outcome.march_data(march, rig.steady_cpu)
             common.log_messages(rig.system.components, folder)
         folder.keep()  # a failed march's history is worth keeping

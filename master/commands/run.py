@@ -1,0 +1,83 @@
+"""`aeroslosh run`: any system of FMUs, from a system file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from master import assembly as assemblies
+from master import drive, simulation
+from master.assembly import Assembly
+from master.commands import common
+from master.errors import ExitCode
+from master.progress import Progress
+from master.record import RunFolder, provenance
+from master.simulation import Simulation
+
+
+def register(commands: Any) -> None:
+    """The command line."""
+    text = "run any system of FMUs, described in a system file"
+    sub = commands.add_parser("run", help=text, description=text)
+    sub.add_argument("system", type=Path, metavar="SYSTEM", help="a TOML system file, e.g. cases/two_tanks.toml")
+    sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
+    sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--no-pictures", action="store_true", help="no picture")
+    common.add_output(sub, "run folder (default runs/<system>_run)")
+    common.add_checkpoint(sub)
+    sub.set_defaults(execute=execute)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """One run."""
+    assembly = assemblies.load(options.system, options.set)
+    progress = Progress(options.quiet or options.json)
+    files = assemblies.find(assembly, options.fmus)
+    with RunFolder(options.out or Path("runs") / f"{assembly.name}_run") as folder:
+        (folder.path / "case.toml").write_text(assemblies.dump(assembly), encoding="utf-8")
+        system = assemblies.build(assembly, files)
+        try:
+            hashes = {c.name: c.sha256 for c in system.everyone}
+            settings = assemblies.flat(assembly)
+            keeper = common.keeper(options, settings, hashes)
+            start = common.restart(options, settings, hashes, ("run.end", "run.pictures"))
+            for loop in system.loops:
+                folder.log(f"algebraic loop, closed by the coupling scheme {assembly.coupling.scheme}: {' '.join(loop)}")
+            progress.start(assembly.name)
+            result = simulation.simulate(assembly, system, progress.watch, keeper, start)
+            common.log_messages(system.everyone, folder)
+        finally:
+            system.close()
+        folder.keep()
+        about = provenance(hashes)
+        simulation.write_history(folder.path / "history.nc", result, about)
+        data = simulation.data(result)
+        folder.write_result(data | {"provenance": about})
+        if assembly.run.pictures and not options.no_pictures:
+            _draw(folder.path / "histories.png", result)
+        text = _summary(assembly, data)
+        folder.log(text)
+        common.print_result(options, data, text, folder)
+        if result.failure is not None:
+            common.show(result.failure)
+            return ExitCode.COMPONENT
+        return ExitCode.OK if result.converged else ExitCode.UNDETERMINED
+
+
+def _draw(path: Path, result: Simulation) -> None:
+    nothing = drive.Table(result.time, [], np.zeros((result.time.size, 0)))
+    drive.draw(path, nothing, {"time": result.time, **result.outputs}, result.units)
+
+
+def _summary(assembly: Assembly, data: dict[str, Any]) -> str:
+    """What a person wants to know of a run."""
+    scheme, cost = data["scheme"], data["cost"]
+    shares = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items())
+    lines = [f"{assembly.name}: {data['outcome']}", f"  end          t = {data['end_time']:g} s, {scheme['steps']} steps"]
+    if scheme["passes_mean"] is not None and scheme["passes_max"] > 1:
+        lines.append(f"  coupling     {scheme['passes_mean']:.2f} passes a step, {scheme['passes_max']} at most")
+    lines.append(f"  cost         {cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU ({shares})")
+    return "\n".join(lines)
