@@ -1,57 +1,20 @@
-"""A flutter point through FMUs and master: Isogai A, Mach 0.825, V_f 0.612, 2 + 5 cycles, 8,064 cells.
-
-The cost of FMI and master is that of the same march with the flow's step replaced by nothing, less the physics of the structure.
-"""
-
+"""A flutter point through FMUs and master: Isogai A, Mach 0.825, V_f 0.612, 2 + 5 cycles, 8,064 cells."""
 from __future__ import annotations
 
 import resource
 import statistics
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
-
-from fmus.structure.protocol import ForcedPitch, Run
-from fmus.structure.section import Section, SectionData
 from master import case as cases
 from master import flutter
 from master.rig import FlutterRig, find_fmus
 
-from .timing import cpu
+from .exchange import exchange
 
 ROOT = Path(__file__).resolve().parents[1]
 SU2_SECONDS_A_STEP = 0.36
 """CPU of an aeroelastic step of SU2 8.0.0 with well-chosen settings (6,532 points, 14 inner iterations), on another machine."""
-
-
-@contextmanager
-def frozen_flow() -> Iterator[None]:
-    """The flow's time step inside the aero FMU does nothing."""
-    module = next(m for name, m in sys.modules.items() if name.startswith("aero_") and name.endswith(".aero.march"))
-    step = module.Flow.step
-    report = module.StepReport(8, 1e-3, True, 0)
-    module.Flow.step = lambda self, *motion: report
-    try:
-        yield
-    finally:
-        module.Flow.step = step
-
-
-def structure_physics(steps: int) -> float:
-    """CPU seconds of the structure's physics for so many free steps."""
-    run = Run(Section(SectionData()), ForcedPitch(), np.array([0.01, 0.01, 0.0, 0.0]), np.zeros(2))
-    load = np.ones(2)
-
-    def advance() -> None:
-        run.advance(1e-3, load)
-        run.section.energy(run.y)
-        assert run.acceleration.size == 2
-
-    return steps * cpu(advance, inner=500)
 
 
 def run(repeat: int = 5) -> None:
@@ -62,17 +25,15 @@ def run(repeat: int = 5) -> None:
         opened = time.process_time() - begin
         flutter.march(rig, case.flutter.V_f)
         marches = [flutter.march(rig, case.flutter.V_f).cost for _ in range(repeat)]
-        with frozen_flow():
-            empty = [flutter.march(rig, case.flutter.V_f).cost for _ in range(repeat)]
         steps = marches[0].steps
         total = statistics.median(cost.total_cpu for cost in marches)
-        overhead = statistics.median(cost.total_cpu for cost in empty) - structure_physics(steps)
+        overhead = statistics.median(exchange(rig, case.flutter.V_f) for _ in range(repeat))
         su2 = SU2_SECONDS_A_STEP * steps
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(f"  flutter point after the steady start {total:8.2f} s CPU, {steps} steps of {1e3 * total / steps:.2f} ms")
         print(f"  first use at a Mach number           {opened:8.2f} s CPU: load, cached kernels, mesh, steady flow")
         print(
-            f"  FMI and master                       {100 * overhead / total:8.1f} % of a step, {1e6 * overhead / steps:.0f} µs"
+            f"  FMI and master                       {100 * overhead * steps / total:8.1f} % of a step, {1e6 * overhead:.0f} µs"
         )
         print(f"  SU2, as many steps                   {su2:8.0f} s CPU on another machine: {su2 / total:.0f} times as much")
         print(f"  peak memory                          {memory:8.0f} MiB: one process, master and both FMUs")

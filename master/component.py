@@ -107,6 +107,7 @@ class Component:
         self.can_rewind = bool(simulation.canGetAndSetFMUstate)
         self.can_serialize = self.can_rewind and bool(simulation.canSerializeFMUstate)
         self.can_interpolate = bool(simulation.canInterpolateInputs)
+        self._final = fmi2.fmi2True  # noSetFMUStatePriorToCurrentPoint: no step will be repeated
         self.cpu = self.wall = self.time = 0.0
         self.steps = 0
         self.messages: deque[tuple[int, str]] = deque(maxlen=log_lines)
@@ -125,6 +126,7 @@ class Component:
                 str(self.folder),
                 "its binaries must fit this machine (`fmpy info` lists the platforms)",
             ) from None
+        self._do_step = self.fmu.dll.fmi2DoStep
         self._instantiate()
         reals = {
             c: [v.name for v in self.variables.values() if v.type == "Real" and v.causality == c] for c in ("input", "output")
@@ -207,17 +209,20 @@ class Component:
 
     # stepping
 
-    def step(self, dt: float) -> None:
-        """Write `inputs`, advance from `time` by `dt` [s], read `outputs`. Raises ComponentError."""
+    def step(self, dt: float, first: np.ndarray | None = None, second: np.ndarray | None = None) -> None:
+        """Write `inputs`, advance from `time` by `dt` [s], read `outputs`. Raises ComponentError.
+
+        `first`, `second`: time derivatives [1/s, 1/s²] of the inputs at the start of the step. Shape: (n_inputs,)."""
         self.inputs.set()
+        if first is not None:  # after the values: an FMU may take a new value for the end of an old slope
+            self._set_input_derivatives([first] if second is None else [first, second])
         cpu, wall = clock.process_time(), clock.perf_counter()
-        try:
-            self.fmu.doStep(self.time, dt)
-        except FMICallException as error:
-            raise self.failure(error, "fmi2DoStep") from None
-        finally:
-            self.wall += clock.perf_counter() - wall
-            self.cpu += clock.process_time() - cpu
+        # the library's own function, as in `Group`
+        status = self._do_step(self.fmu.component, self.time, dt, self._final)
+        self.wall += clock.perf_counter() - wall
+        self.cpu += clock.process_time() - cpu
+        if status > fmi2.fmi2Warning:
+            raise self.failure(FMICallException(function="fmi2DoStep", status=status), "fmi2DoStep")
         self.outputs.get()
         self.time += dt
         self.steps += 1
@@ -230,6 +235,7 @@ class Component:
                 str(self.path),
                 'use coupling.scheme = "gauss-seidel", or another export of this FMU',
             )
+        self._final = fmi2.fmi2False  # from now on a step may be repeated
         with self.calling("fmi2GetFMUstate") as fmu:
             return Saved(fmu.getFMUState(), self.time, self.steps)
 
@@ -271,16 +277,20 @@ class Component:
         self.rewind(saved)
         self.free(saved)
         self.state = "ready"
-
-    def set_input_derivatives(self, first: np.ndarray, second: np.ndarray | None) -> None:
-        """Time derivatives [1/s, 1/s²] of all Real inputs at the start of the next step. Shape: (n_inputs,)."""
-        references = [self.variables[name].valueReference for name in self.inputs.names]
-        with self.calling("fmi2SetRealInputDerivatives") as fmu:
-            for order, values in enumerate((first, second), start=1):
-                if values is not None:
-                    fmu.setRealInputDerivatives(references, [order] * len(references), values.tolist())
+        if "failed" in self.variables and self.get("failed"):  # FMI calls of this product's FMUs do not fail themselves
+            raise self._failure("it did not take its state back", "fmi2SetFMUstate")
 
     # inside
+
+    def _set_input_derivatives(self, derivatives: Sequence[np.ndarray]) -> None:
+        """Of all continuous Real inputs (a discrete one has none), the first one first."""
+        places = [i for i, name in enumerate(self.inputs.names) if self.variables[name].variability != "discrete"]
+        references = [self.variables[self.inputs.names[i]].valueReference for i in places]
+        if not references:
+            return
+        with self.calling("fmi2SetRealInputDerivatives") as fmu:
+            for order, values in enumerate(derivatives, start=1):
+                fmu.setRealInputDerivatives(references, [order] * len(references), values[places].tolist())
 
     @contextmanager
     def calling(self, what: str, heavy: bool = False) -> Iterator[Any]:
