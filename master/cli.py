@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except Exception:  # a fault of ours: say so, with everything needed to report it
         traceback.print_exc()
         print("aeroslosh: internal error (above); please report it with the case file", file=sys.stderr)
-        code = 1
+        code = ExitCode.INTERNAL
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -54,7 +54,8 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(
         prog="aeroslosh",
         description="Aeroelastic flutter by co-simulation of FMUs.",
-        epilog="exit codes: 0 ok, 2 bad input, 3 a component failed, 4 no verdict or tolerance not met",
+        epilog="exit codes: 0 ok, 1 compare: different, 2 bad input, 3 a component failed, 4 no verdict or tolerance not met, "
+        "5 sweep incomplete, 70 internal error, 130 interrupted",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in COMMANDS:

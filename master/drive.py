@@ -3,7 +3,8 @@
 The table is CSV with a header: `time` [s] and names of the FMU's inputs. Each row is a communication point; its values are
 those at the end of the step that leads there (the first row's are the initial ones).
 
-An FMU with `write_fields` and `field_folder` can be asked for its fields at every so many rows, the first one included.
+An FMU with `write_fields` and `field_folder` can be asked for its fields at every so many rows, the first one included; a
+collection beside the folder opens them in ParaView.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from master import pvd
 from master.component import Component
 from master.errors import AeroSloshError
 
@@ -132,6 +134,14 @@ def prepare_fields(component: Component, default: Path) -> Path:
         if FIELD_FILE.fullmatch(path.name):
             path.unlink()
     return folder
+
+
+def collect_fields(folder: Path, table: Table, every: int) -> Path:
+    """Write <folder>.pvd, the fields of a run with their times. every: as in `run`. Returns its path."""
+    numbers = sorted({pvd.number(path) for path in folder.glob("*.vt[sp]") if FIELD_FILE.fullmatch(path.name)})
+    asked = table.times[::every]
+    # an FMU whose fields begin with its first step has none of the first row
+    return pvd.write_beside(folder, dict(zip(numbers, asked[-len(numbers) :], strict=False)))
 
 
 def run(component: Component, table: Table, every: int = 0) -> dict[str, np.ndarray]:

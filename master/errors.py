@@ -9,16 +9,22 @@ class ExitCode(IntEnum):
     """Exit status of the command `aeroslosh`.
 
     OK             the run ended and its verdict stands
+    DIFFERENT      `compare`: the runs differ
     INPUT          a bad case, override, command line, missing FMU or output folder; nothing was computed
     COMPONENT      an FMU failed (its message and traceback were shown); the history so far is kept
     UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short, too noisy)
+    INCOMPLETE     a sweep ended before all its points (full disk, cluster gone): what is finished is kept, --resume goes on
+    INTERNAL       a fault of ours, with a traceback
     INTERRUPTED    stopped by Ctrl-C
     """
 
     OK = 0
+    DIFFERENT = 1
     INPUT = 2
     COMPONENT = 3
     UNDETERMINED = 4
+    INCOMPLETE = 5
+    INTERNAL = 70
     INTERRUPTED = 130
 
 

@@ -6,12 +6,14 @@ already there is moved aside to `<name>.001`, `.002`, …; any other folder of t
   result.json     the numbers of the command's JSON output, with provenance
   history*.nc     netCDF-3 history of each march, every variable with `units` and `long_name`
   run.log         what the run said, and the log messages of the FMUs
-  *.png, fields/  pictures and flow fields
+  *.png, fields/  pictures and flow fields; fields.pvd opens them in ParaView
 """
 
 from __future__ import annotations
 
 import datetime
+import functools
+import hashlib
 import json
 import os
 import platform
@@ -26,8 +28,9 @@ import numpy as np
 from scipy.io import netcdf_file
 
 from master.case import Case, dump
+from master.channels import REALS
 from master.errors import AeroSloshError
-from master.flutter import REALS, March
+from master.flutter import March
 
 PACKAGES = ("aeroslosh", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 UNITS = {  # history variables that are no FMU outputs
@@ -49,12 +52,23 @@ def provenance(fmus: dict[str, str]) -> dict[str, Any]:
             versions[package] = "unknown"
     return {
         "versions": versions | {"python": platform.python_version()},
+        "master_sha256": source_hash(),
         "fmu_sha256": fmus,
         "command": " ".join(sys.argv),
         "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "host": platform.node(),
         "cpu": _cpu(),
     }
+
+
+@functools.cache
+def source_hash() -> str:
+    """SHA-256 over the master's own source files: between two releases the version alone does not tell what ran."""
+    digest = hashlib.sha256()
+    root = Path(__file__).resolve().parent
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 class RunFolder:
@@ -133,37 +147,51 @@ class RunFolder:
 def write_history(path: Path, march: March, about: dict[str, Any]) -> None:
     """netCDF-3 history of `march` with the provenance `about` as global attributes."""
     with netcdf_file(str(path), "w") as file:
-        file.createDimension("time", march.tau.size)
-        for name, values in march.history.items():
-            unit, long_name = UNITS[name] if name in UNITS else REALS[name][2:]
-            variable = file.createVariable(name, "f8", ("time",))
-            variable[:] = values
-            variable.units = unit
-            variable.long_name = long_name
-        s = march.scales
-        attributes: dict[str, Any] = {
-            "title": f"aeroslosh march, Mach {s.mach:g}, V_f {s.V_f:g}",
-            "Conventions": "CF-1.8",
-            "mach": s.mach,
-            "V_f": s.V_f,
-            "omega_alpha": s.omega_alpha,
-            "half_chord": s.half_chord,
-            "speed": s.speed,
-            "density": s.density,
-            "mass": s.mass,
-            "steps_per_cycle": s.steps_per_cycle,
-            "release_index": march.release,
-            "verdict": str(march.verdict),
-            "reason": march.reason,
-            "failure": march.failure.what if march.failure else "",
-            "stopped": march.stopped,
-            "slosh": march.slosh,
-        }
-        for name, value in (attributes | {k: v for k, v in about.items() if not isinstance(v, dict)}).items():
-            if value != "":
-                setattr(file, name, np.float64(value) if isinstance(value, float) else _ascii(value))
-        file.versions = _ascii(json.dumps(about["versions"]))
-        file.fmu_sha256 = _ascii(json.dumps(about["fmu_sha256"]))
+        put_march(file, march)
+        put_attributes(file, march_attributes(march) | about)
+
+
+def put_march(file: netcdf_file, march: March, prefix: str = "") -> None:
+    """The channels of `march` as variables over the dimension `time`, the names of all with `prefix`."""
+    file.createDimension(f"{prefix}time", march.tau.size)
+    for name, values in march.history.items():
+        unit, long_name = UNITS[name] if name in UNITS else REALS[name][2:]
+        variable = file.createVariable(prefix + name, "f8", (f"{prefix}time",))
+        variable[:] = values
+        variable.units = unit
+        variable.long_name = long_name
+
+
+def march_attributes(march: March) -> dict[str, Any]:
+    """What a history says of its march."""
+    s = march.scales
+    return {
+        "title": f"aeroslosh march, Mach {s.mach:g}, V_f {s.V_f:g}",
+        "Conventions": "CF-1.8",
+        "mach": s.mach,
+        "V_f": s.V_f,
+        "omega_alpha": s.omega_alpha,
+        "half_chord": s.half_chord,
+        "speed": s.speed,
+        "density": s.density,
+        "mass": s.mass,
+        "steps_per_cycle": s.steps_per_cycle,
+        "release_index": march.release,
+        "verdict": str(march.verdict),
+        "reason": march.reason,
+        "failure": march.failure.what if march.failure else "",
+        "stopped": march.stopped,
+        "slosh": march.slosh,
+    }
+
+
+def put_attributes(file: netcdf_file, attributes: dict[str, Any]) -> None:
+    """Global attributes: numbers and texts as they are, tables as JSON; empty texts are left out."""
+    for name, value in attributes.items():
+        if isinstance(value, dict):
+            value = json.dumps(value)
+        if value != "":
+            setattr(file, name, np.float64(value) if isinstance(value, float) else _ascii(value))
 
 
 def _ascii(value: Any) -> Any:

@@ -55,6 +55,25 @@ def read(path: Path) -> Field:
     return Field(points[..., 0], points[..., 1], cells, whole)
 
 
+def time_of(path: Path) -> float | None:
+    """The time [s] that a file tells of itself (`TimeValue`, which precedes the grid), else None. Raises AeroSloshError."""
+    try:
+        header, order = 4, "<"
+        for event, element in ElementTree.iterparse(path, ("start", "end")):
+            if event == "start" and element.tag == "VTKFile":
+                header = {"UInt64": 8, "UInt32": 4}[element.attrib.get("header_type", "UInt32")]
+                order = "<" if element.attrib.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
+            elif event == "start" and element.tag == "Piece":
+                return None
+            elif event == "end" and element.attrib.get("Name") == "TimeValue":
+                return float(_array(element, header, order)[0])
+    except (ElementTree.ParseError, KeyError, ValueError, IndexError, OSError) as error:
+        raise AeroSloshError(
+            f"The field file cannot be read: {error}", str(path), "remove it, or write the fields again"
+        ) from None
+    return None
+
+
 def _array(element: ElementTree.Element | None, header: int, order: str) -> np.ndarray:
     """A DataArray's values: base64 of a byte count and the raw numbers."""
     if element is None or element.attrib.get("format") != "binary":

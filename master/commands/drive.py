@@ -27,7 +27,7 @@ def register(commands: Any) -> None:
         type=int,
         metavar="N",
         help="write fields for ParaView and `animate` at the first row and every N-th, to the FMU's field_folder or "
-        "fields beside --out; an earlier run's fields there are removed",
+        "fields beside --out, and the collection <folder>.pvd for ParaView; an earlier run's fields there are removed",
     )
     alone.add_argument("--out", type=Path, metavar="CSV", help="outputs (default <input>_<fmu>.csv, picture beside it)")
     alone.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
@@ -57,7 +57,7 @@ def execute(options: argparse.Namespace) -> int:
     drive.write(target, columns)
     files = [str(target)]
     if folder is not None:
-        files.append(os.path.relpath(folder))
+        files += [os.path.relpath(folder), os.path.relpath(drive.collect_fields(folder, table, options.fields))]
     if not options.no_pictures:
         picture = target.with_suffix(".png")
         drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from master import case as cases
-from master import flutter, outcome
+from master import flutter, outcome, pvd
 from master.case import Case
 from master.commands import common
 from master.errors import ExitCode
@@ -60,6 +60,8 @@ def execute(options: argparse.Namespace) -> int:
         folder.keep()  # a failed march's history is worth keeping
         folder.log(outcome.march_summary(data))
         write_history(folder.path / "history.nc", march, about)
+        if fields is not None and march.fields:
+            pvd.write_beside(fields, {pvd.number(path): tau / march.scales.omega_alpha for tau, path in march.fields})
         _draw(case, march, folder, progress)
         folder.write_result(data | {"provenance": about})
         common.print_result(options, data, outcome.march_summary(data), folder)

@@ -43,6 +43,7 @@ def test_point_prints_json_and_writes_one_folder(flutter_fmus: Path, tmp_path: P
         "phase.png",
         "mach_field.png",
         "fields",
+        "fields.pvd",
     }
     assert "mach = 0.3 " in (out / "case.toml").read_text()
     assert len(json.loads((out / "result.json").read_text())["provenance"]["fmu_sha256"]["aero"]) == 64
