@@ -27,6 +27,7 @@ from fmus.tank.frozen import constants
 from fmus.tank.liquid import Tank
 from fmus.tank.modes import modes
 from master import slosh
+from master.acceleration import QuasiNewton
 from master.component import Component
 from master.coupling import GaussSeidel, Jacobi, Scheme
 from master.errors import ComponentError
@@ -71,8 +72,8 @@ WAYS = (
     Way("Gauss–Seidel, extrapolated", lambda: GaussSeidel(1), "none", ahead),
     Way("frozen split, lagged", lambda: GaussSeidel(0), "frozen", once),
     Way("frozen split, extrapolated", lambda: GaussSeidel(1), "frozen", ahead),
-    Way("implicit", lambda: Implicit(1, Criteria(1e-9, max_iterations=60)), "none", lambda z: 1.0),
-    Way("implicit, frozen split", lambda: Implicit(1, Criteria(1e-9, max_iterations=60)), "frozen", lambda z: 1.0),
+    Way("implicit", lambda: Implicit(1, Criteria(1e-9, max_iterations=60), QuasiNewton()), "none", lambda z: 1.0),
+    Way("implicit, frozen split", lambda: Implicit(1, Criteria(1e-9, max_iterations=60), QuasiNewton()), "frozen", lambda z: 1.0),
 )
 
 
