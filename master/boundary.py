@@ -11,11 +11,16 @@ from dataclasses import dataclass, field
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
 from master.linear import LinearCrossing, LinearModel
-from master.search import FIRST_SLOPE, Crossing, Sample, crossings, propose
-from master.wording import plus_minus
+from master.roots import Crossing, Sample
+from master.search import SLOPE, crossings, propose
+from master.verdict import Verdict
+from master.wording import counted, plus_minus
+
+VAGUE = 0.05  # a growth rate (over omega_alpha) less certain than this is none
+GROSS = 0.005  # one less certain than this tells, where the motion outgrew linear motion, its sign alone
 
 Marcher = Callable[[float], March]  # V_f → march
-Strategy = Callable[[Marcher, float, float, float], "BoundaryPoint"]  # marcher, Mach, guess of V_f, of dσ/dln V_f
+Strategy = Callable[[Marcher, float, float, float | None], "BoundaryPoint"]  # marcher, Mach, guess of V_f, of dσ/dV_f
 
 
 @dataclass(frozen=True)
@@ -34,7 +39,9 @@ class Prediction:
 
 @dataclass
 class BoundaryPoint:
-    """What the search found at one Mach number. `outcome` says in words what it means; `crossings` may be empty."""
+    """What the search found at one Mach number. `outcome` says in words what it means; `crossings` may be empty.
+
+    `marches` are the search's, `checks` those for the error bars' parts step, amplitude and mesh."""
 
     mach: float
     crossings: list[Crossing]
@@ -46,14 +53,23 @@ class BoundaryPoint:
     failure: ComponentError | None = None
     linear: LinearModel | None = None
     predictions: list[Prediction] = field(default_factory=list)
+    checks: list[March] = field(default_factory=list, repr=False)
 
 
 def sample(march: March) -> Sample:
-    """What the search sees of a march; a fit spoilt by a failure or by too few cycles counts as none."""
-    fit = march.fit
-    if fit is None or not math.isfinite(fit.growth_rate) or fit.growth_rate_uncertainty > 0.05:
-        return Sample(march.scales.V_f, math.nan, math.nan, math.nan)
-    return Sample(march.scales.V_f, fit.growth_rate, fit.growth_rate_uncertainty, fit.frequency)
+    """What the search sees of a march; a fit spoilt by a failure or by too few cycles counts as none.
+
+    A motion that grew beyond reach within a cycle or two, or one in a limit cycle that no exponential describes, tells that
+    small motions grow there, and no more: a limit cycle is kept up by what grows below it."""
+    fit, V_f = march.fit, march.scales.V_f
+    std = fit.growth_rate_uncertainty if fit is not None and math.isfinite(fit.growth_rate) else math.inf
+    grew = march.verdict is Verdict.FLUTTER and (fit is None or std > VAGUE or std > max(GROSS, fit.growth_rate / 3.0))
+    cycles = march.verdict is Verdict.LIMIT_CYCLE and std > GROSS
+    if march.failure is None and (grew or cycles):
+        return Sample(V_f, math.nan, math.nan, math.nan, grows=True)
+    if fit is None or not std <= VAGUE:
+        return Sample(V_f, math.nan, math.nan, math.nan)
+    return Sample(V_f, fit.growth_rate, std, fit.frequency)
 
 
 def search(
@@ -64,11 +80,11 @@ def search(
     high: float,
     tolerance: float,
     max_marches: int,
-    slope: float = FIRST_SLOPE,
+    slope: float | None = None,
     done: list[March] | None = None,
     take: Callable[[March], Sample] = sample,
 ) -> BoundaryPoint:
-    """Find a neutral V_f at `mach` in [low, high], starting from `guess` with the expected dσ/dln V_f `slope`.
+    """Find a neutral V_f at `mach` in [low, high], starting from `guess`, with the dσ/dV_f `slope` if it is known.
 
     `done`: marches made before at this Mach number; `take` reads a growth rate out of a march. Every march is kept, and
     every crossing among them reported."""
@@ -83,15 +99,13 @@ def search(
         marches.append(marcher(target))
         failure = marches[-1].failure or failure
     samples = [take(m) for m in marches]
-    found = crossings(samples, tolerance)
-    wanted = propose(samples, guess, low, high, tolerance, slope)
-    converged = bool(found) and wanted is None
+    found = crossings(samples, tolerance, slope)
     return BoundaryPoint(
         mach,
         found,
         samples,
-        outcome_text(found, samples, converged, low, high, len(marches), failure),
-        converged,
+        outcome_text(found, samples, low, high, len(marches), failure),
+        any(c.met for c in found),
         marches,
         clock.perf_counter() - begin,
         failure,
@@ -137,39 +151,38 @@ def boundary(
     return points
 
 
-def _prior(points: list[BoundaryPoint], mach: float, guess: float) -> tuple[float, float]:
-    """Guess of V_f and of dσ/dln V_f from Mach numbers solved: linear in Mach from the two nearest, within 40 %."""
+def _prior(points: list[BoundaryPoint], mach: float, guess: float) -> tuple[float, float | None]:
+    """Guess of V_f from Mach numbers solved, linear in Mach from the two nearest, within 40 %; and of dσ/dV_f, the nearest's."""
     solved = sorted((p for p in points if p.crossings), key=lambda p: abs(p.mach - mach))
     if not solved:
-        return guess, FIRST_SLOPE
+        return guess, None
     nearest = solved[0].crossings[0]
     value = nearest.V_f
     if len(solved) > 1 and solved[0].mach != solved[1].mach:
         other = solved[1].crossings[0]
         trend = (nearest.V_f - other.V_f) / (solved[0].mach - solved[1].mach)
         value = min(max(value + trend * (mach - solved[0].mach), 0.6 * nearest.V_f), 1.4 * nearest.V_f)
-    return value, max(nearest.slope * nearest.V_f, 0.2 * FIRST_SLOPE)
+    return value, max(nearest.slope, 0.2 * SLOPE)
 
 
 def outcome_text(
-    found: list[Crossing],
-    samples: list[Sample],
-    converged: bool,
-    low: float,
-    high: float,
-    n: int,
-    failure: ComponentError | None,
+    found: list[Crossing], samples: list[Sample], low: float, high: float, n: int, failure: ComponentError | None
 ) -> str:
-    """One line for people."""
+    """One line for people: the crossings, whether each meets the tolerance, and the number of marches `n`."""
     if found:
-        text = ", ".join(f"{c.direction} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}" for c in found)
-        return text if converged else f"{text}; tolerance not met in {n} marches"
-    known = [s for s in samples if s.known]
-    if not known:
+        texts = [f"{c.direction} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}" for c in found]
+        if not any(c.met for c in found):
+            return f"{', '.join(texts)}; tolerance not met in {counted(n, 'march')}"
+        marked = [text if c.met else f"{text} (tolerance not met)" for text, c in zip(texts, found, strict=True)]
+        return ", ".join(marked) + (f" ({counted(n, 'march')})" if n else "")
+    signs = {s.growth_rate >= 0.0 if s.known else True for s in samples if s.known or s.grows}
+    if not signs:
         return f"failed: {failure.what}" if failure else "no march gave a growth rate"
-    word = "growing" if known[0].growth_rate > 0 else "damped"
-    span = (min(s.V_f for s in known), max(s.V_f for s in known))
-    searched = f"V_f {span[0]:.3f} to {span[1]:.3f}"
-    if span[0] <= low * 1.01 and span[1] >= high * 0.99:
+    if len(signs) > 1:
+        return f"growing at some V_f and damped at others, no crossing narrowed down in {counted(n, 'march')}"
+    word = "growing" if signs == {True} else "damped"
+    told = [s.V_f for s in samples if s.known or s.grows]
+    searched = f"V_f {min(told):.3f} to {max(told):.3f}"
+    if min(told) <= low * 1.01 and max(told) >= high * 0.99:
         return f"no crossing in range: {word} in all {n} marches over {searched}"
-    return f"no crossing found: {word} in {searched} ({n} marches)"
+    return f"no crossing found: {word} in {searched} ({counted(n, 'march')})"

@@ -45,9 +45,7 @@ def solve(
         return marcher, rig.close
 
     b = case.boundary
-    strategy = None
-    if b.method != "march":
-        strategy = confirm.Confirm(case, rigs.__getitem__, open_rig, say, b.method == "both")
+    strategy = confirm.Confirm(case, rigs.__getitem__, open_rig, say, b.method == "both")
     return boundary(
         marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, on_point, strategy
     )

@@ -1,4 +1,4 @@
-"""A boundary with a linear model: it foretells every neutral V_f of a Mach number, marches confirm them one by one.
+"""What to do at a Mach number: a linear model foretells every neutral V_f, marches confirm them one by one; or either alone.
 
 Each crossing is searched from its predicted V_f and slope, among the marches' modes by its predicted frequency, no further
 than to the next crossing of the same mode. What marches do not confirm is recorded as contradicted: there the response depends
@@ -14,18 +14,18 @@ from collections.abc import Callable
 
 import numpy as np
 
-from master import flutter, linear
+from master import linear
 from master.boundary import BoundaryPoint, Marcher, Prediction, outcome_text, sample, search
 from master.case import Case
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
 from master.linear import LinearCrossing, LinearModel
 from master.rig import FlutterRig
-from master.search import Crossing, Sample
+from master.roots import Crossing, Sample
+from master.uncertainty import Spread
 from master.wording import plus_minus
 
 SAME_MODE = 0.25  # relative difference of frequency within which two crossings, or a fitted mode and a crossing, are one mode
-COARSER = 2.0 / 3.0  # cells each way of the mesh that tells the mesh's part of the error bar
 REACH = 1.35  # a crossing is looked for within this factor of its predicted V_f
 SHARED = 0.05  # marches of other crossings this near (relative) count
 
@@ -35,7 +35,7 @@ class Confirm:
     """What to do at one Mach number (a `boundary.Strategy`): `rig_at(mach)` is the open rig, `open_rig` opens one of another case
     there, `say` tells the user.
 
-    Without `marching` the linear model's crossings are the result."""
+    Without `marching` the linear model's crossings are the result; with the case's method "march" no model is made."""
 
     case: Case
     rig_at: Callable[[float], FlutterRig]
@@ -43,10 +43,12 @@ class Confirm:
     say: Callable[[str], None]
     marching: bool
 
-    def __call__(self, marcher: Marcher, mach: float, guess: float, slope: float) -> BoundaryPoint:
+    def __call__(self, marcher: Marcher, mach: float, guess: float, slope: float | None) -> BoundaryPoint:
         """The point at `mach`. A linear model that cannot be had is said; then marches search from `guess` alone."""
         b, begin = self.case.boundary, clock.perf_counter()
         low, high = b.V_f_range
+        if b.method == "march":
+            return self._searched(marcher, mach, guess, slope)
         rig = self.rig_at(mach)
         amplitude = b.linear_amplitude_deg
         if not isinstance(amplitude, float):
@@ -58,7 +60,7 @@ class Confirm:
                 failure = error if isinstance(error, ComponentError) else None
                 return BoundaryPoint(mach, [], [], f"no linear model: {error.what}", False, failure=failure)
             self.say(f"  no linear model at Mach {mach:g}: {error.what}; marches alone")
-            return search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope)
+            return self._searched(marcher, mach, guess, slope)
         if self.case.slosh.model not in ("none", "frozen"):
             self.say("  the linear model carries the liquid frozen; marches let it slosh")
         expected = model.crossings(low, high)
@@ -73,14 +75,32 @@ class Confirm:
         point.wall = clock.perf_counter() - begin
         return point
 
+    def _searched(
+        self, marcher: Marcher, mach: float, guess: float, slope: float | None, done: list[March] | None = None
+    ) -> BoundaryPoint:
+        """Marches alone, from `guess`; `done` are marches made before."""
+        b, begin = self.case.boundary, clock.perf_counter()
+        low, high = b.V_f_range
+        point = search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope, done)
+        if b.uncertainty or b.richardson:
+            spread = self._spread(mach, sample)
+            point.crossings = [spread.widened(c, point.marches) if c.met else c for c in point.crossings]
+            point.checks = spread.marches
+            point.outcome = outcome_text(point.crossings, point.samples, low, high, len(point.marches), point.failure)
+        point.wall = clock.perf_counter() - begin
+        return point
+
+    def _spread(self, mach: float, take: Callable[[March], Sample]) -> Spread:
+        return Spread(self.case, mach, self.rig_at(mach), self.open_rig, take, self.say)
+
     def _confirmed(self, marcher: Marcher, mach: float, model: LinearModel, expected: list[LinearCrossing]) -> BoundaryPoint:
         """March at every predicted crossing."""
         b = self.case.boundary
         marches: list[March] = []
+        checks: list[March] = []
         samples: list[Sample] = []
         found: list[Crossing] = []
         predictions: list[Prediction] = []
-        vague: list[str] = []
         failure: ComponentError | None = None
         for c in expected:
             low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
@@ -90,24 +110,24 @@ class Confirm:
 
             near = [m for m in marches if abs(m.scales.V_f / c.V_f - 1.0) < SHARED and take(m).known]
             most = len(near) + max(3, b.max_marches // 2)
-            part = search(marcher, mach, c.V_f, low, high, b.tolerance, most, c.slope * c.V_f, near, take)
+            part = search(marcher, mach, c.V_f, low, high, b.tolerance, most, c.slope, near, take)
             marches += part.marches[len(near) :]
             samples += part.samples[len(near) :]
             failure = part.failure or failure
             # a crossing is confirmed by one of the same direction
             same = [x for x in part.crossings if x.direction == c.direction]
             marched = min(same, key=lambda x: abs(x.V_f - c.V_f), default=None)
-            if marched is not None and b.uncertainty:
-                marched = self._with_uncertainty(mach, marched, part.marches, take)
+            if marched is not None and (b.uncertainty or b.richardson):
+                spread = self._spread(mach, take)
+                marched = spread.widened(marched, part.marches)
+                checks += spread.marches
             predictions.append(_prediction(c, marched, part, model))
-            if marched is not None and not part.converged:
-                vague.append(f"{c.direction} near {marched.V_f:.4f}: tolerance not met in {len(part.marches)} marches")
             found += [] if marched is None else [marched]
         found.sort(key=lambda x: x.V_f)
-        text = outcome_text(found, samples, True, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
-        doubts = [p.text for p in predictions if p.state == "contradicted"]
-        text, sure = "; ".join([text, *vague, *doubts]), bool(found) and not vague
-        return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions)
+        text = outcome_text(found, samples, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
+        text = "; ".join([text, *[p.text for p in predictions if p.state == "contradicted"]])
+        sure = bool(found) and all(x.met for x in found)
+        return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions, checks)
 
     def _none_expected(self, marcher: Marcher, mach: float, model: LinearModel) -> BoundaryPoint:
         """No crossing foretold: a few marches, the least damped V_f among them, see whether that is so.
@@ -121,7 +141,7 @@ class Confirm:
         known = [s for s in map(sample, marches) if s.known]
         if any(s.growth_rate > 0.0 for s in known):
             first = max(known, key=lambda s: s.growth_rate)
-            point = search(marcher, mach, first.V_f, low, high, b.tolerance, b.max_marches, done=marches)
+            point = self._searched(marcher, mach, first.V_f, None, marches)
             point.linear = model
             return point
         failure = next((m.failure for m in marches if m.failure is not None), None)
@@ -131,55 +151,12 @@ class Confirm:
         agreed = agreed and word == "damped"
         return BoundaryPoint(mach, [], [sample(m) for m in marches], text, agreed, marches, 0.0, failure, model)
 
-    def _with_uncertainty(
-        self, mach: float, crossing: Crossing, marches: list[March], take: Callable[[March], Sample]
-    ) -> Crossing:
-        """`crossing` with what step, forced amplitude and mesh change in it, in its `parts` and its error bar.
-
-        The march nearest to it is repeated with half the step, with half the amplitude, and on a coarser mesh, whose difference
-        is turned into the error of the own mesh by Richardson's rule for second order. A change δσ of the growth rate moves
-        the crossing by −δσ / slope.
-        """
-        known = [m for m in marches if take(m).known]
-        base = min(known, key=lambda m: abs(m.scales.V_f - crossing.V_f))
-        rig, f = self.rig_at(mach), self.case.flutter
-        variants = {
-            "step": {"steps_per_cycle": 2 * base.scales.steps_per_cycle},
-            "amplitude": {"forced_amplitude_deg": 0.5 * f.forced_amplitude_deg, "initial_alpha_dot": 0.5 * f.initial_alpha_dot},
-        }
-        parts = {"fit_and_interpolation": crossing.uncertainty}
-        for name, change in variants.items():
-            rig.case = dataclasses.replace(self.case, flutter=dataclasses.replace(f, **change))  # type: ignore[arg-type]
-            try:
-                other = take(flutter.march(rig, base.scales.V_f))
-            finally:
-                rig.case = self.case
-            if other.known:
-                parts[name] = (take(base).growth_rate - other.growth_rate) / crossing.slope
-                self.say(f"  half the {name} moves V_f by {parts[name]:+.4f}")
-            else:
-                self.say(f"  half the {name}: no growth rate, not in the error bar")
-        other = take(self._on_coarser_mesh(mach, base.scales.V_f))
-        if other.known:
-            parts["mesh"] = (other.growth_rate - take(base).growth_rate) / crossing.slope / (COARSER**-2 - 1.0)
-            self.say(f"  the mesh's own error moves V_f by about {parts['mesh']:+.4f}")
-        else:
-            self.say("  coarser mesh: no growth rate, not in the error bar")
-        return dataclasses.replace(crossing, parts=parts, uncertainty=math.hypot(*parts.values()))
-
-    def _on_coarser_mesh(self, mach: float, V_f: float) -> March:
-        aero = self.case.aero
-        around, normal = max(64, round(COARSER * aero.cells_around)), max(16, round(COARSER * aero.cells_normal))
-        case = dataclasses.replace(self.case, aero=dataclasses.replace(aero, cells_around=around, cells_normal=normal))
-        with self.open_rig(case, mach) as rig:
-            return flutter.march(rig, V_f)
-
 
 def mode_sample(march: March, frequency: float) -> Sample:
     """The growth rate of the fitted mode nearest to `frequency` (over omega_alpha); none when no visible mode is near."""
     whole, fit = sample(march), march.fit
     if fit is None or not whole.known or frequency <= 0.0:
-        return whole
+        return dataclasses.replace(whole, grows=False)  # what grew may be another mode
     near = [m for m in fit.modes if abs(m.frequency - frequency) <= SAME_MODE * frequency and m.share >= 0.005]
     if not near:
         return Sample(march.scales.V_f, math.nan, math.nan, math.nan)
@@ -225,9 +202,10 @@ def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint
 def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:
     """The linear model's crossings as the result."""
     found = [
-        Crossing(c.V_f, c.uncertainty, c.frequency, c.direction, c.slope, True, 0.0, source="linear") for c in expected
-    ]  # fmt: skip
-    text = outcome_text(found, [], True, low, high, 0, None)
+        Crossing(c.V_f, c.frequency, c.direction, c.slope, True, {"model": c.uncertainty}, met=True, source="linear")
+        for c in expected
+    ]
+    text = outcome_text(found, [], low, high, 0, None)
     if not found:
         rate = max(float(model.eigenvalues(v)[0].real) for v in (low, high))
         text = f"no crossing in V_f {low:g} to {high:g}: {'growing' if rate > 0 else 'damped'} (linear model)"

@@ -11,7 +11,7 @@ from master.boundary import BoundaryPoint
 from master.flutter import March
 from master.slosh import LABEL
 from master.verdict import Verdict
-from master.wording import plus_minus
+from master.wording import error_bar, plus_minus
 
 
 def number(value: float | None) -> float | None:
@@ -44,6 +44,7 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "steps": cost.steps,
         "steps_per_cycle": s.steps_per_cycle,
         "unconverged_steps": march.unconverged,
+        "scheme": march.scheme,
         "stopped": march.stopped or None,
         "failure": march.failure.what if march.failure else None,
         "cost": {
@@ -118,6 +119,9 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
                 "bracketed": c.bracketed,
                 "source": c.source,
                 "uncertainty_parts": c.parts,
+                "uncertainty_missing": list(c.missing),
+                "tolerance_met": c.met,
+                "richardson": c.grids.as_data() if c.grids else None,
             }
             for c in point.crossings
         ],
@@ -125,8 +129,10 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
         "marches": [march_data(m) for m in point.marches],
         "cost": {
             "wall_seconds": point.wall,
-            "cpu_seconds": sum(m.cost.total_cpu for m in point.marches) + (point.linear.cpu if point.linear else 0.0),
+            "cpu_seconds": sum(m.cost.total_cpu for m in [*point.marches, *point.checks])
+            + (point.linear.cpu if point.linear else 0.0),
             "marches": len(point.marches),
+            "uncertainty_marches": len(point.checks),
         },
     }
 
@@ -175,6 +181,7 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
         )
         if len(p["crossings"]) > 1:
             lines.append(f"          all: {p['outcome']}")
+        lines += [f"          {line}" for c in p["crossings"] for line in error_bar(c)]
         for c in (p["linear"] or {}).get("crossings", []):
             if c["state"] == "contradicted":
                 lines.append(f"          {c['text']}")

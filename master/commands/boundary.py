@@ -47,7 +47,7 @@ def execute(options: argparse.Namespace) -> int:
     if options.uncertainty:
         cases.apply_override(case, "boundary.uncertainty=true")
     progress = Progress(options.quiet or options.json)
-    fmus = find_fmus(options.fmus, case.slosh.model)
+    fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         begin = clock.perf_counter(), clock.process_time()

@@ -103,7 +103,7 @@ def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model
     assert crossing["V_f"] == pytest.approx(theory.neutral(model.case, MACH, 1.5, 3.0), rel=1e-3)
     assert crossing["source"] == "march" and len(point["marches"]) <= 3
     assert foretold["state"] == "confirmed" and foretold["marched_V_f"] == crossing["V_f"]
-    assert set(crossing["uncertainty_parts"]) == {"fit_and_interpolation", "step", "amplitude", "mesh"}
+    assert set(crossing["uncertainty_parts"]) == {"fit", "interpolation", "step", "amplitude", "mesh"}
     assert abs(crossing["uncertainty_parts"]["amplitude"]) < 1e-3
     assert abs(crossing["uncertainty_parts"]["mesh"]) < 1e-9  # the double has none
     assert crossing["V_f_uncertainty"] < 5e-3 * crossing["V_f"]

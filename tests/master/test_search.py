@@ -1,4 +1,4 @@
-"""The search for neutral V_f on growth-rate curves that are known."""
+"""The search for neutral V_f on growth-rate curves that are known. Marched curves: test_search_marched.py."""
 
 from __future__ import annotations
 
@@ -8,24 +8,32 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from master.search import Crossing, Sample, crossings, propose
+from master.boundary import outcome_text
+from master.roots import Crossing, Sample
+from master.search import crossings, propose
 
 Curve = Callable[[float], float]
 TOLERANCE = 0.005
 
 
 def searched(
-    curve: Curve, guess: float, low: float = 0.2, high: float = 3.0, std: float = 0.0, seed: int = 0
+    curve: Curve,
+    guess: float,
+    low: float = 0.2,
+    high: float = 3.0,
+    std: float = 0.0,
+    seed: int = 0,
+    tolerance: float = TOLERANCE,
 ) -> tuple[list[Sample], list[Crossing]]:
     """Run the proposals to their end."""
     rng, samples = np.random.default_rng(seed), []
     while len(samples) < 15:
-        target = propose(samples, guess, low, high, TOLERANCE)
+        target = propose(samples, guess, low, high, tolerance)
         if target is None:
             break
         assert low <= target <= high
         samples.append(Sample(target, curve(target) + std * rng.standard_normal(), std, 0.9))
-    return samples, crossings(samples, TOLERANCE)
+    return samples, crossings(samples, tolerance)
 
 
 CURVES: list[tuple[str, Curve, float]] = [
@@ -87,3 +95,63 @@ def test_failed_marches_are_stepped_back_from() -> None:
 def test_all_marches_failing_ends() -> None:
     samples, found = searched(lambda v: math.nan, 0.7)
     assert len(samples) == 3 and not found
+
+
+def test_a_bracket_in_which_marches_fail_does_not_meet_the_tolerance() -> None:
+    """The search ends, as no march can narrow the root down; it must not say that it did."""
+    known = [Sample(v, 0.075 * (v - 0.595), 1e-6, 0.9) for v in (0.4, 0.5, 0.7)]
+    samples = [*known, Sample(0.6, math.nan, math.nan, math.nan)]
+    assert propose(samples, 0.5, 0.2, 3.0, TOLERANCE) is None
+    [found] = crossings(samples, TOLERANCE)
+    assert found.bracketed and not found.met
+    assert "tolerance not met in 4 marches" in outcome_text([found], samples, 0.2, 3.0, len(samples), None)
+
+
+def test_noise_above_the_tolerance_does_not_meet_it() -> None:
+    """A growth rate known to 1e-3 gives V_f to 1e-3 / 0.075 = 2 percent: half a percent would be luck, 10 percent is had."""
+    met = [any(c.met for c in searched(CURVES[0][1], 0.7, std=1e-3, seed=seed)[1]) for seed in range(20)]
+    assert np.mean(met) < 0.2
+    met = [any(c.met for c in searched(CURVES[0][1], 0.7, std=1e-3, seed=seed, tolerance=0.1)[1]) for seed in range(20)]
+    assert all(met)
+
+
+def test_a_trend_that_turns_before_the_axis_is_no_crossing() -> None:
+    samples = [Sample(v, -1e-5 - 0.05 * (v - 0.6) ** 2, 1e-7, 0.9) for v in (0.59, 0.6, 0.61)]
+    assert not crossings(samples, TOLERANCE)
+
+
+def test_a_motion_that_grew_out_of_reach_tells_its_sign() -> None:
+    """No growth rate above V_f = 1.2: the search goes down from there until marches tell more, and never says "failed"."""
+
+    def marched(V_f: float) -> Sample:
+        if V_f > 1.2:
+            return Sample(V_f, math.nan, math.nan, math.nan, grows=True)
+        return Sample(V_f, 0.075 * (V_f - 0.595), 1e-6, 0.9)
+
+    samples: list[Sample] = []
+    while (target := propose(samples, 3.0, 0.2, 3.0, TOLERANCE)) is not None:
+        samples.append(marched(target))
+    [found] = crossings(samples, TOLERANCE)
+    assert found.met and found.V_f == pytest.approx(0.595, rel=TOLERANCE) and len(samples) <= 6
+    text = outcome_text([], [Sample(3.0, math.nan, math.nan, math.nan, grows=True)], 0.2, 3.0, 1, None)
+    assert text == "no crossing found: growing in V_f 3.000 to 3.000 (1 march)"
+
+
+@pytest.mark.parametrize("wrong", [0.8, 1.0, 1.25])
+@pytest.mark.parametrize(("name", "curve", "root"), CURVES, ids=[c[0] for c in CURVES])
+def test_two_or_three_marches_when_place_and_slope_are_known(name: str, curve: Curve, root: float, wrong: float) -> None:
+    """As the linear model tells them: V_f within a percent, the slope within a quarter."""
+    slope = wrong * (curve(root + 1e-6) - curve(root - 1e-6)) / 2e-6
+    samples: list[Sample] = []
+    while (target := propose(samples, 1.01 * root, 0.2, 3.0, TOLERANCE, slope)) is not None:
+        samples.append(Sample(target, curve(target), 1e-6, 0.9))
+    [found] = crossings(samples, TOLERANCE, slope)
+    assert 2 <= len(samples) <= 3
+    assert found.met and abs(found.V_f - root) < 2.0 * found.uncertainty
+
+
+def test_a_crossing_that_nothing_narrows_down_has_a_finite_error_bar() -> None:
+    """JSON has no infinity: three marches whose differences are noise alone."""
+    samples = [Sample(v, s, 1e-3, 0.9) for v, s in ((0.5, -1e-5), (0.6, 2e-5), (0.7, 1e-5))]
+    [found] = crossings(samples, TOLERANCE)
+    assert math.isfinite(found.uncertainty) and found.uncertainty >= found.V_f and not found.met

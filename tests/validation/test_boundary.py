@@ -34,3 +34,20 @@ def test_the_dip_and_the_end_of_flutter(aeroslosh: Run) -> None:
     values = [p["V_f"] for p in points[:3]]
     assert values[0] > values[1] > values[2] and 0.50 < values[2] < 0.53
     assert not points[3]["crossings"]
+
+
+@pytest.mark.parametrize(("mach", "V_f"), [("0.6", 1.7204), ("0.825", 0.5904)])
+@pytest.mark.parametrize("guess", ["0.2", "0.612", "3.0"])
+def test_marches_alone_need_no_prior_knowledge(aeroslosh: Run, mach: str, V_f: float, guess: str) -> None:
+    """Half a percent in six marches; V_f from 41 marches between 0.2 and 3 (tests/data/growth_rates.csv)."""
+    [point] = aeroslosh("boundary", "--mach", mach, "--method", "march", "--vf", guess)["points"]
+    print(f"\nMach {mach} from V_f {guess}: {point['outcome']}", end="")
+    assert point["converged"] and point["cost"]["marches"] == len(point["marches"]) <= 6
+    assert point["V_f"] == pytest.approx(V_f, rel=5e-3)
+
+
+@pytest.mark.parametrize("mach", ["0.7", "0.85"])
+def test_three_marches_confirm_a_foretold_crossing(aeroslosh: Run, mach: str) -> None:
+    [point] = aeroslosh("boundary", "--mach", mach, "--method", "both")["points"]
+    print(f"\nMach {mach}: {point['outcome']}", end="")
+    assert point["converged"] and point["cost"]["marches"] <= 3 * len(point["crossings"])
