@@ -16,6 +16,7 @@ import numpy as np
 from master.roots import SURE, Crossing, Sample, hyperbola, root
 
 SLOPE = 0.07  # dσ/dV_f at a boundary, and dg/dx on the way: 0.04 to 0.1 for Isogai's section. Sizes steps without a prior
+WIDE = 0.06  # ln V_f: marches apart by less may differ by noise alone
 FARTHEST = 2.5  # a march goes at most this factor beyond those done
 OVERSHOOT = 1.1  # an extrapolated root is overshot a little, so that it becomes bracketed
 NEAR = 4.0  # a root is looked at from no further than this many tolerances
@@ -73,6 +74,8 @@ def propose(
     bracketed = [c for c in found if c.bracketed]
     if bracketed:
         target = _inside(min(bracketed, key=lambda c: abs(math.log(c.V_f / guess))), known, failed, tolerance)
+        if target is None and not failed:
+            target = _wider(known, low, high)
     else:
         target = _outside(known, failed, low, high, tolerance, SLOPE if slope is None else slope)
     if target is None or any(abs(target - s.V_f) < 1e-9 * target for s in samples):
@@ -105,6 +108,17 @@ def _inside(crossing: Crossing, known: list[Sample], failed: list[float], tolera
     # else one end would stay while marches creep up from the other
     from_below += math.copysign(BEYOND * crossing.parts["interpolation"] / crossing.V_f, 0.5 * width - from_below)
     return below * math.exp(float(np.clip(from_below, margin, width - margin)))
+
+
+def _wider(known: list[Sample], low: float, high: float) -> float | None:
+    """A march further off, when noise decides the signs of those near the root: from there the slope shows above the noise."""
+    for upward in (True, False):
+        end = known[-1] if upward else known[0]
+        if math.log(known[-1].V_f / known[0].V_f) < WIDE:
+            target = end.V_f * math.exp(WIDE if upward else -WIDE)
+            if low <= target <= high:
+                return target
+    return None
 
 
 def _outside(known: list[Sample], failed: list[float], low: float, high: float, tolerance: float, slope: float) -> float | None:
