@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import settings
+from master import settings, toml_text
 from master.case import Coupling
 from master.component import Component
 from master.errors import AeroSloshError
@@ -61,10 +61,13 @@ class Run:
 
 @dataclass
 class Assembly:
-    """A system file. `name` is the file's stem, `folder` where it lies."""
+    """A system file. `name` is the file's stem, `folder` where it lies; `path` and `lines` go into messages."""
 
     name: str = "system"
     folder: Path = Path()
+    path: Path = Path("system.toml")
+    lines: settings.Lines = field(default_factory=dict)
+    changed: dict[str, str] = field(default_factory=dict)  # key → the override that gave it
     run: Run = field(default_factory=Run)
     system: Wiring = field(default_factory=Wiring)
     coupling: Coupling = field(default_factory=Coupling)
@@ -75,22 +78,57 @@ class Assembly:
         """Communication steps of the run."""
         return max(1, round((self.run.end - self.run.start) / self.run.step))
 
+    @property
+    def dt(self) -> float:
+        """The communication step [s]: run.step, or the nearest of which the run holds a whole number."""
+        even = (self.run.end - self.run.start) / self.steps
+        # to the bit, where it is run.step but for rounding: a run made longer then takes the same steps
+        return self.run.step if abs(even - self.run.step) <= 1e-12 * self.run.step else even
 
+    def where(self, table: str, key: str) -> str:
+        """For messages: the file, line and key, or the override that gave the value."""
+        dotted = f"{table}.{key}" if key else table
+        if dotted in self.changed:
+            return f"--set {self.changed[dotted]}"
+        parent, _, name = table.rpartition(".")  # an inline table may stand on one line of its parent
+        places = [(table, key), (f"{table}.{key}", ""), (parent, name), (table, ""), ("", table)]
+        line = next((self.lines[place] for place in places if place in self.lines), None)
+        return f"{self.path}, " + (f"line {line}, " if line else "") + f"key {dotted}"
+
+
+WANTED = {
+    "Real": "a number",
+    "Integer": "a whole number",
+    "Enumeration": "the whole number of one of its values",
+    "Boolean": "true or false",
+    "String": 'a text in "quotes"',
+}
 TABLES: dict[str, Any] = {n: h for n, h in typing.get_type_hints(Assembly).items() if dataclasses.is_dataclass(h)}
 
 
 def load(path: Path, overrides: Sequence[str] = ()) -> Assembly:
     """Read a system file and apply `table.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
-    data, lines = settings.read(path, "system file", "cases/two_tanks.toml")
-    assembly = Assembly(path.stem, path.resolve().parent)
+    data, lines = settings.read(path, "system file", "cases/tank_on_springs.toml")
+    assembly = Assembly(path.stem, path.resolve().parent, path, lines)
     given = data.pop("components", {})
-    settings.fill(assembly, TABLES, data, lines, path)
+    settings.fill(assembly, {**TABLES, "components": None}, data, lines, path)
     if not isinstance(given, dict) or not given:
-        raise AeroSloshError("The system has no components", str(path), 'write [components.NAME] with fmu = "…"')
+        where = f"{path}, line {lines[('', 'components')]}" if ("", "components") in lines else str(path)
+        raise AeroSloshError("The system has no components", where, 'write [components.NAME] with fmu = "…"')
     for name, content in given.items():
         table = f"components.{name}"
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_-]*", name):
-            raise AeroSloshError(f"'{name}' is no name for a component", f"{path}, [{table}]", "letters, digits, _ and -")
+            written = enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+            line = next((number for number, text in written if name in text and text.split("#")[0].strip()), "?")
+            raise AeroSloshError(
+                f"'{name}' is no name for a component",
+                f"{path}, line {line}",
+                "begin with a letter or _, go on with letters, digits, _ and -: wires write component.variable",
+            )
+        if not isinstance(content, dict):
+            raise AeroSloshError(
+                f"'{table}' is a table", assembly.where("components", name), f"write [{table}] with keys below it"
+            )
         assembly.components[name] = part = Part()
         settings.fill_table(part, table, content, lines, path)
         if not part.fmu:
@@ -100,8 +138,11 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Assembly:
         _override(assembly, override)
     if assembly.run.end <= assembly.run.start:
         raise AeroSloshError(
-            f"run.end = {assembly.run.end:g} is not after run.start = {assembly.run.start:g}", str(path), "give a later end"
+            f"run.end = {assembly.run.end:g} is not after run.start = {assembly.run.start:g}",
+            assembly.where("run", "end"),
+            "give a later end",
         )
+    _check_predictors(assembly)
     return assembly
 
 
@@ -129,8 +170,9 @@ def find(assembly: Assembly, folder: Path) -> dict[str, Path]:
         if path is None:
             raise AeroSloshError(
                 f"components.{name}: there is no FMU {file}",
-                " or ".join(str(p.parent) for p in places),
-                "build the FMUs with `make fmus`, or name their folder with --fmus DIR or AEROSLOSH_FMUS",
+                assembly.where(f"components.{name}", "fmu"),
+                f"it is neither in {' nor in '.join(str(p.parent) for p in places)}: build the FMUs with `make fmus`, or name "
+                "their folder with --fmus DIR or AEROSLOSH_FMUS",
             )
         found[name] = path
     return found
@@ -143,37 +185,76 @@ def build(assembly: Assembly, fmus: dict[str, Path]) -> System:
         for name, part in assembly.components.items():
             made[name] = component = Component(fmus[name], name)
             for variable, value in part.parameters.items():
-                _set(component, variable, value)
+                _set(component, variable, value, assembly)
         guides = {part.predicts: made[name] for name, part in assembly.components.items() if part.predicts}
         stepped = [made[name] for name, part in assembly.components.items() if not part.predicts]
-        return assemble(stepped, wires(assembly.system.wires), assembly.coupling, guides)
+        try:
+            return assemble(stepped, wires(assembly.system.wires), assembly.coupling, guides)
+        except AeroSloshError as error:  # what is wrong with a wire or a name: say in which file
+            table, key = (
+                ("coupling", error.where.partition(".")[2]) if error.where.startswith("coupling.") else ("system", "wires")
+            )
+            raise AeroSloshError(error.what, f"{assembly.where(table, key)}: {error.where}", error.remedy, error.code) from None
     except BaseException:
         for component in made.values():
             component.close()
         raise
 
 
-def _set(component: Component, variable: str, value: Any) -> None:
+def _check_predictors(assembly: Assembly) -> None:
+    """One predicting model a component, and that one stepped. Raises AeroSloshError."""
+    seen: dict[str, str] = {}
+    wired = {end.strip().partition(".")[0] for line in assembly.system.wires for end in line.split("->")}
+    for name, part in assembly.components.items():
+        if not part.predicts:
+            continue
+        where = assembly.where(f"components.{name}", "predicts")
+        stepped = [n for n, p in assembly.components.items() if not p.predicts]
+        if part.predicts not in stepped:
+            known = ", ".join(stepped) or "none"
+            raise AeroSloshError(
+                f"'{name}' predicts '{part.predicts}', which is not stepped", where, f"components stepped: {known}"
+            )
+        if part.predicts in seen:
+            both = f"'{seen[part.predicts]}' and '{name}'"
+            raise AeroSloshError(f"{both} both predict '{part.predicts}'", where, "keep one of them")
+        if name in wired:
+            raise AeroSloshError(
+                f"'{name}' predicts '{part.predicts}' and has no wires of its own",
+                assembly.where("system", "wires"),
+                f"leave out its wires: it goes by those of '{part.predicts}'",
+            )
+        seen[part.predicts] = name
+
+
+def _set(component: Component, variable: str, value: Any, assembly: Assembly) -> None:
     """One parameter or start value, if its type fits."""
-    known = component.variables.get(variable)
-    where = f"components.{component.name}.parameters.{variable}"
-    if known is None or known.causality in ("output", "local", "independent"):
-        names = ", ".join(n for n, v in component.variables.items() if v.causality in ("parameter", "input"))
-        raise AeroSloshError(f"'{component.name}' has no parameter or input '{variable}'", where, f"one of {names}")
+    where = assembly.where(f"components.{component.name}.parameters", variable)
+    names = [n for n, v in component.variables.items() if v.causality in ("parameter", "input")]
+    if variable not in names:
+        remedy = settings.nearest(variable, names, f"those of {component.path.name} are")
+        raise AeroSloshError(f"'{component.name}' has no parameter or input '{variable}'", where, remedy)
+    known = component.variables[variable]
+    items = {item.name: int(item.value) for item in getattr(known.declaredType, "items", None) or []}
+    if known.type == "Enumeration" and value in items:
+        value = items[value]
     kinds = {"Real": (int, float), "Integer": (int,), "Enumeration": (int,), "Boolean": (bool,), "String": (str,)}[known.type]
     if not isinstance(value, kinds) or (isinstance(value, bool) and known.type != "Boolean"):
-        raise AeroSloshError(f"{variable} = {value!r} is no {known.type}", where, "give a value of that type")
+        given = toml_text.literal(value)
+        wanted = f"one of {', '.join(items)}" if items else WANTED[known.type]
+        raise AeroSloshError(f"{variable} = {given} is no {known.type}", where, f"give {wanted}")
     component.set(variable, value)
 
 
 def _override(assembly: Assembly, text: str) -> None:
     """`table.key=value`, also `components.NAME.key=value` and `components.NAME.parameters.variable=value`."""
-    dotted, _, value = text.partition("=")
+    dotted, equals, value = text.partition("=")
     words = dotted.strip().split(".")
+    assembly.changed[dotted.strip()] = text
     if words[0] != "components":
         settings.override(assembly, TABLES, text)
         return
-    if len(words) < 3 or words[1] not in assembly.components:
+    if len(words) < 3 or not equals or words[1] not in assembly.components:
         known = ", ".join(assembly.components)
         raise AeroSloshError(
             "Such an override has the form components.NAME.key=value", f"--set {text}", f"components are: {known}"
@@ -182,4 +263,4 @@ def _override(assembly: Assembly, text: str) -> None:
     if words[2] == "parameters" and len(words) > 3:
         part.parameters[".".join(words[3:])] = settings.written(value)
     else:
-        settings.assign(part, f"components.{words[1]}", words[2], settings.written(value), f"--set {text}")
+        settings.assign(part, f"components.{words[1]}", ".".join(words[2:]), settings.written(value), f"--set {text}")

@@ -6,16 +6,19 @@ one before."""
 
 from __future__ import annotations
 
+import io
 import json
-import os
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import fmpy
 import numpy as np
 
+from master import atomic, fmu_cache
+from master.component import no_serialization
 from master.coupling import Scheme
 from master.errors import AeroSloshError
 from master.system import System
@@ -63,7 +66,7 @@ class Keeper:
         """Before the march: raise AeroSloshError when an FMU cannot serialise its state."""
         for component in system.everyone:
             if not component.can_serialize:
-                raise component.no_serialization()
+                raise no_serialization(component.name, component.path)
 
     def write(self, system: System, scheme: Scheme, more: Mapping[str, Arrays], now: Mapping[str, Any]) -> None:
         """Write a checkpoint: `more` are further parts, `now` further JSON data.
@@ -81,15 +84,11 @@ class Keeper:
             parts[f"stride.{component.name}"] = stride.state()
         arrays = {f"{part}/{name}": array for part, content in parts.items() for name, array in content.items()}
         text = json.dumps({"format": FORMAT, **self.about, **now}).encode()
-        temporary = self.path.with_name(f".{self.path.name}.part-{os.getpid()}")
+        whole = io.BytesIO()
+        np.savez(whole, about=np.frombuffer(text, dtype=np.uint8), **arrays)  # type: ignore[arg-type]
         try:
-            with temporary.open("wb") as file:
-                np.savez(file, about=np.frombuffer(text, dtype=np.uint8), **arrays)  # type: ignore[arg-type]
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, self.path)
+            atomic.write(self.path, whole.getvalue())
         except OSError as error:
-            temporary.unlink(missing_ok=True)
             raise AeroSloshError(
                 f"The checkpoint cannot be written: {error.strerror}", str(self.path), "free space, or name another file"
             ) from None
@@ -103,14 +102,29 @@ def read(path: Path) -> Checkpoint:
         about = json.loads(arrays.pop("about").tobytes())
         version = about["format"]
     except OSError as error:
-        raise AeroSloshError(f"The checkpoint cannot be read: {error.strerror}", str(path), "give a file that a run wrote") from None
-    except (ValueError, KeyError, zipfile.BadZipFile) as error:
-        raise AeroSloshError(f"This is no checkpoint: {error}", str(path), "give a file that --checkpoint wrote") from None
+        raise AeroSloshError(
+            f"The checkpoint cannot be read: {error.strerror}", str(path), "give a file that a run wrote"
+        ) from None
+    except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:  # all that numpy has for it
+        raise AeroSloshError(
+            f"This is no checkpoint, or a damaged one ({type(error).__name__})",
+            str(path),
+            "give a whole file that --checkpoint wrote",
+        ) from None
     if version != FORMAT:
         raise AeroSloshError(
             f"The checkpoint has format {version}, this version reads {FORMAT}", str(path), "use the version that wrote it"
         )
     return Checkpoint(path, about, arrays)
+
+
+def check_files(fmus: Mapping[str, Path]) -> None:
+    """Before any of them is instantiated: raise AeroSloshError when an FMU (component → file) cannot serialise its state."""
+    for name, path in fmus.items():
+        description = fmpy.read_model_description(str(fmu_cache.unzip(path)[0]), validate=False)
+        simulation = description.coSimulation
+        if simulation is not None and not (simulation.canGetAndSetFMUstate and simulation.canSerializeFMUstate):
+            raise no_serialization(name, path)
 
 
 def check(checkpoint: Checkpoint, case: Mapping[str, Any], fmus: Mapping[str, str], free: tuple[str, ...]) -> None:

@@ -161,8 +161,12 @@ class Component:
             fmu.exitInitializationMode()
         self.state = "ready"
         self.outputs.get()
+        self.check("fmi2ExitInitializationMode")
+
+    def check(self, what: str) -> None:
+        """Raise ComponentError when the FMU says `failed` (this product's do) of the call `what`, which returned OK."""
         if "failed" in self.variables and self.get("failed"):
-            raise self._failure("it could not initialise", "fmi2ExitInitializationMode")
+            raise self._failure("it says that it failed", what)
 
     def restart(self) -> None:
         """A new instance of the same FMU in place of this one (all states taken from it are void)."""
@@ -254,21 +258,13 @@ class Component:
     def serialized(self) -> bytes:
         """The FMU's whole state, to be restored in another process. Raises AeroSloshError when the FMU cannot."""
         if not self.can_serialize:
-            raise self.no_serialization()
+            raise no_serialization(self.name, self.path)
         saved = self.save()
         try:
             with self.calling("fmi2SerializeFMUstate") as fmu:
                 return fmu.serializeFMUstate(saved.state)
         finally:
             self.free(saved)
-
-    def no_serialization(self) -> AeroSloshError:
-        """What to say when the FMU cannot serialise."""
-        return AeroSloshError(
-            f"{self.name} cannot write its state to a file (canSerializeFMUstate is false)",
-            str(self.path),
-            "run without checkpoints, or take another export of this FMU",
-        )
 
     def restore(self, data: bytes, time: float, steps: int) -> None:
         """Return to a state `serialized` in another process, `time` [s] and `steps` of it, and read the outputs."""
@@ -277,8 +273,7 @@ class Component:
         self.rewind(saved)
         self.free(saved)
         self.state = "ready"
-        if "failed" in self.variables and self.get("failed"):  # FMI calls of this product's FMUs do not fail themselves
-            raise self._failure("it did not take its state back", "fmi2SetFMUstate")
+        self.check("fmi2SetFMUstate")
 
     # inside
 
@@ -380,3 +375,12 @@ class Component:
         if self.state not in ("created", "freed"):
             self.fmu.fmi2FreeInstance(self.fmu.component)
             self.state = "freed"
+
+
+def no_serialization(name: str, path: Path) -> AeroSloshError:
+    """What to say of an FMU that cannot serialise its state."""
+    return AeroSloshError(
+        f"{name} cannot write its state to a file (canSerializeFMUstate is false)",
+        str(path),
+        "run without checkpoints, or take another export of this FMU",
+    )

@@ -89,7 +89,7 @@ class Predictor:
 
     def state(self) -> dict[str, np.ndarray]:
         """For `restore`."""
-        state = {"wires": self._wires.past}
+        state = {"wires": self._wires.past.copy()}
         for surrogate in self._surrogates:
             state |= {f"{surrogate.name}.{key}": value for key, value in surrogate.state().items()}
         return state

@@ -15,7 +15,8 @@ from master import scheme as schemes
 from master.channels import History
 from master.checkpoint import Checkpoint, Keeper
 from master.damping import Fit, analyse
-from master.errors import ComponentError
+from master.errors import AeroSloshError, ComponentError
+from master.fields import Fields
 from master.rig import FlutterRig
 from master.scheme import Statistics
 from master.similarity import Scales
@@ -100,22 +101,27 @@ def march(
     steps = release + round(flutter.free_cycles * s.steps_per_cycle)
     history = History(rig, steps + 1)
     history.take(0)
-    instants = {steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)} if field_folder else set()
+    fields = Fields(rig.aero, field_folder, (steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)))
     unconverged = {c.name: 0 for c in system.components if c is not rig.structure}
-    failure, stopped, done, first, writing = None, "", 0, 1, False
+    failure, stopped, done, first = None, "", 0, 1
     limit = math.radians(flutter.max_alpha_deg)
     dt = s.dt
     if checkpoint is not None:
-        checkpoint.restore(system, scheme)
-        history.restore(checkpoint.part("history"))
         done, unconverged = checkpoint.about["done"], dict(checkpoint.about["unconverged"])
+        if done > steps:
+            raise AeroSloshError(
+                f"The checkpoint stands at step {done}, the march ends at step {steps}",
+                f"{checkpoint.path}, flutter.free_cycles = {flutter.free_cycles:g}",
+                "give it more free cycles",
+            )
+        checkpoint.restore(system, scheme)
+        fields.resume()
+        history.restore(checkpoint.part("history"))
         statistics.restore(checkpoint.about["scheme"])
         first = done + 1
     try:
         for done in range(first, steps + 1):
-            if (done in instants) is not writing:
-                writing = not writing
-                rig.aero.set("write_fields", writing)
+            fields.before(done)
             report = scheme.step(system, dt)
             statistics.note(report, done * dt)
             for name in history.take(done, report.passes):
@@ -141,13 +147,9 @@ def march(
                 "slosh.split = 'frozen' or coupling.scheme = 'implicit': the whole load of a heavy liquid, exchanged once a "
                 f"step, diverges at any step. Else {failure.remedy}"
             )
-    finally:
-        if writing and failure is None:
-            rig.aero.set("write_fields", False)
+    written = fields.end(done, failed=failure is not None)
     wall, cpu = clock.perf_counter() - begin_wall, clock.process_time() - begin_cpu
     cost = Cost({c.name: c.cpu - before[c.name] for c in system.everyone}, wall, cpu, done)
-    written = sorted(field_folder.glob("fields_*.vts")) if field_folder else []
-    moments = [i * dt * s.omega_alpha for i in sorted(instants) if i <= done]
     result = March(
         s,
         history.finish(done + 1, s),
@@ -159,7 +161,7 @@ def march(
         failure,
         stopped,
         {"coupling": statistics.failed} | unconverged,
-        list(zip(moments, written[-len(moments) :] if moments else [], strict=False)),
+        [(step * dt * s.omega_alpha, path) for step, path in written],
         case.slosh.model,
         statistics.data(),
     )

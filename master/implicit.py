@@ -97,7 +97,7 @@ class Implicit:
         """For `restore`."""
         parts = {"predictor": self.predictor.state(), "acceleration": self.acceleration.state()}
         state = {f"{part}.{key}": value for part, values in parts.items() for key, value in values.items()}
-        return state | {"scale": self._scale}
+        return state | {"scale": self._scale.copy()}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Return to a `state`."""

@@ -41,8 +41,8 @@ class Stride:
                 "give it substeps above 1, or leave the waveform out (it cannot interpolate inputs by itself)",
             )
         self.plain = pace.substeps == 1 and pace.waveform == "hold"
-        self._start = self._before = component.inputs.values.copy()
-        self._ratio = 1.0
+        self._ratio = 0.0
+        self.reset()
 
     def reset(self) -> None:
         """A march begins: the inputs were always what they are."""
@@ -52,7 +52,7 @@ class Stride:
     def begin(self, inputs: np.ndarray, dt: float) -> None:
         """A communication step of `dt` [s] begins with these values of the Real inputs. Shape: (n_inputs,)."""
         self._before, self._start = self._start, inputs.copy()
-        self._ratio = dt / self._last if self._last > 0.0 else 1.0
+        self._ratio = dt / self._last if self._last > 0.0 else 0.0  # of the first step nothing earlier is known: linear
         self._last = dt
 
     def step(self, dt: float) -> None:
@@ -62,25 +62,25 @@ class Stride:
             component.step(dt)
             return
         end, begin, n = component.inputs.values.copy(), component.time, self.pace.substeps
+        small = dt / n  # the same to the bit each time: FMUs keep what they computed for a step size
         for k in range(1, n + 1):
-            small = begin + dt * k / n - component.time  # from where it stands: sums of substeps would drift
             if self._derivatives:
                 at = (k - 1) / n
                 first, second = self._slopes(end, at)
                 component.inputs.values[:] = self._course(end, at)
-                component.set_input_derivatives(first / dt, second / dt**2 if self.pace.waveform == "quadratic" else None)
+                component.step(small, first / dt, second / dt**2 if self.pace.waveform == "quadratic" else None)
             else:
                 component.inputs.values[:] = self._course(end, k / n)
-            component.step(small)
-        component.inputs.values[:] = end
+                component.step(small)
+        component.inputs.values[:], component.time = end, begin + dt  # sums of substeps would drift from the others' clock
 
     def state(self) -> dict[str, np.ndarray]:
-        """For `restore`."""
-        return {"start": self._start, "before": self._before, "last": np.array(self._last)}
+        """For `restore`; what `begin` sets anew is not in it."""
+        return {"start": self._start, "last": np.array(self._last)}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Return to a `state`."""
-        self._start, self._before, self._last = state["start"], state["before"], float(state["last"])
+        self._start, self._last = state["start"], float(state["last"])
 
     def _course(self, end: np.ndarray, at: float) -> np.ndarray:
         """The inputs at the fraction `at` of the step."""

@@ -13,7 +13,7 @@ from scipy.io import netcdf_file
 from master import scheme as schemes
 from master.assembly import Assembly
 from master.checkpoint import Checkpoint, Keeper
-from master.errors import ComponentError
+from master.errors import AeroSloshError, ComponentError
 from master.flutter import Watcher
 from master.record import put_attributes
 from master.scheme import Statistics
@@ -55,15 +55,23 @@ def simulate(
 
     Raises AeroSloshError for settings that do not fit the system; a failing step is an outcome."""
     begin = clock.perf_counter(), clock.process_time()
-    run, steps = assembly.run, assembly.steps
-    dt = (run.end - run.start) / steps
+    run, steps, dt = assembly.run, assembly.steps, assembly.dt
+    if checkpoint is not None:
+        _check_restart(checkpoint, assembly)
     scheme, statistics = schemes.make(assembly.coupling), Statistics()
     if keeper is not None:
         keeper.check(system)
     system.initialize(run.start)
     scheme.reset(system)
     rows = steps // run.record_every + 1
-    values, passes = np.zeros((rows, system.values.size)), np.zeros(rows)
+    try:
+        values, passes = np.zeros((rows, system.values.size)), np.zeros(rows)
+    except (MemoryError, ValueError):  # ValueError: more than an array can hold at all
+        raise AeroSloshError(
+            f"A history of {rows} samples of {system.values.size} outputs does not fit into memory",
+            assembly.where("run", "record_every"),
+            "record fewer samples (run.record_every), or make the run shorter",
+        ) from None
     values[0], taken, first = system.values, 1, 1
     outcome, failure = "completed", None
     if checkpoint is not None:
@@ -87,13 +95,14 @@ def simulate(
                 watch(done, steps, system)
             if keeper is not None and done % keeper.every == 0:
                 history = {"values": values[:taken], "passes": passes[:taken]}
-                keeper.write(system, scheme, {"history": history}, {"done": done, "scheme": statistics.data()})
+                about = {"done": done, "dt": dt, "scheme": statistics.data()}
+                keeper.write(system, scheme, {"history": history}, about)
     except ComponentError as error:
         failure, outcome = error, error.what
     if statistics.failed and failure is None and outcome == "completed":
         outcome = f"completed; {statistics.failed} of {steps} steps did not converge"
     return Simulation(
-        run.start + dt * run.record_every * np.arange(taken),
+        run.start + dt * (run.record_every * np.arange(taken)),
         dict(zip(_names(system), values[:taken].T.copy(), strict=True)),
         passes[:taken],
         {f"{c.name}.{n}": c.variables[n].unit or "1" for c in system.components for n in c.outputs.names},
@@ -106,6 +115,23 @@ def simulate(
         failure,
         system.loops,
     )
+
+
+def _check_restart(checkpoint: Checkpoint, assembly: Assembly) -> None:
+    """The end may have moved, but not to before the checkpoint, nor so that steps would be of another size."""
+    done, then = checkpoint.about["done"], checkpoint.about["dt"]
+    if assembly.dt != then:
+        raise AeroSloshError(
+            f"Up to run.end = {assembly.run.end!r} the step would be {assembly.dt!r} s, the checkpoint's is {then!r} s",
+            str(checkpoint.path),
+            "give an end that is a whole number of steps of the first run",
+        )
+    if assembly.steps < done:
+        raise AeroSloshError(
+            f"The checkpoint stands at step {done}, run.end = {assembly.run.end:g} at step {assembly.steps}",
+            str(checkpoint.path),
+            "give a later end",
+        )
 
 
 def data(simulation: Simulation) -> dict[str, Any]:

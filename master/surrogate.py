@@ -82,7 +82,7 @@ class Surrogate:
     def state(self) -> dict[str, np.ndarray]:
         """For `restore`."""
         newton = {f"newton.{key}": value for key, value in self._newton.state().items()}
-        return {"past": self._difference.past, "scale": self._scale} | newton
+        return {"past": self._difference.past.copy(), "scale": self._scale.copy()} | newton
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Return to a `state`."""

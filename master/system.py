@@ -106,6 +106,8 @@ class System:
             component.enter_initialization(start_time)
         lagged, relaxation = self.lagged_array, Aitken()
         self.collect()
+        for component in fresh:  # a parameter refused: say so before its outputs, not numbers, make another one fail
+            component.check("fmi2EnterInitializationMode")
         carried = self.wire_values()
         for _ in range(INITIAL_PASSES if fresh else 0):
             for i, component in enumerate(self.components):
@@ -274,13 +276,15 @@ class System:
             )
 
     def _find_loops(self) -> list[list[str]]:
-        """Loops of direct feed-through: wires, and input → output where the model structure lists the dependency."""
+        """Loops of direct feed-through: wires, and input → output where the model structure does not rule it out."""
         edges: dict[str, list[str]] = {}
         for wire in self.wires:
             edges.setdefault(wire.source, []).append(wire.target)
         for component in self.components:
             for unknown in component.description.outputs:
-                for dependency in unknown.dependencies or []:
+                # without a list an output depends on everything (FMI 2.0, section 2.2.8)
+                known = component.variables.values() if unknown.dependencies is None else unknown.dependencies
+                for dependency in known:
                     if dependency.causality == "input":
                         start = f"{component.name}.{dependency.name}"
                         edges.setdefault(start, []).append(f"{component.name}.{unknown.variable.name}")

@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import sys
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ from master.component import Component
 from master.errors import AeroSloshError, ComponentError
 from master.progress import Progress
 from master.record import RunFolder
+
+EVERY = 500  # steps between two checkpoints
 
 
 def show(error: AeroSloshError) -> None:
@@ -49,19 +52,29 @@ def add_output(sub: argparse.ArgumentParser, out: str) -> None:
 def add_checkpoint(sub: argparse.ArgumentParser) -> None:
     """Arguments of commands that make one long march."""
     sub.add_argument("--checkpoint", type=Path, metavar="FILE", help="write the march to FILE as it goes (see --every)")
-    sub.add_argument("--every", type=int, metavar="N", default=500, help="steps between two checkpoints (default 500)")
+    sub.add_argument("--every", type=int, metavar="N", help=f"steps between two checkpoints (default {EVERY})")
     sub.add_argument("--restart", type=Path, metavar="FILE", help="go on from a checkpoint, as if there had been no interruption")
 
 
 def keeper(options: argparse.Namespace, settings: dict[str, Any], hashes: dict[str, str]) -> Keeper | None:
     """What writes the checkpoints asked for. Raises AeroSloshError."""
-    if options.checkpoint is None:
+    file, every = options.checkpoint, EVERY if options.every is None else options.every
+    if every < 1:
+        raise AeroSloshError(f"--every {every}", "command line", "a number of steps, at least 1")
+    if file is None:
+        if options.every is not None:
+            raise AeroSloshError("--every without --checkpoint", "command line", "name the file too: --checkpoint FILE")
         return None
-    if options.every < 1:
-        raise AeroSloshError(f"--every {options.every}", "command line", "a number of steps, at least 1")
-    if not options.checkpoint.absolute().parent.is_dir():
-        raise AeroSloshError("There is no folder for the checkpoint", str(options.checkpoint), "create it, or name another file")
-    return Keeper(options.checkpoint, options.every, {"case": settings, "fmu_sha256": hashes})
+    folder = file.absolute().parent
+    if not folder.is_dir():
+        raise AeroSloshError("There is no folder for the checkpoint", str(file), "create it, or name another file")
+    if file.is_dir():
+        raise AeroSloshError("The checkpoint is a folder", str(file), "name a file")
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise AeroSloshError(f"The checkpoint cannot be written: {error.strerror}", str(file), "name another file") from None
+    return Keeper(file, every, {"case": settings, "fmu_sha256": hashes})
 
 
 def restart(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import flutter, outcome, pvd
+from master import checkpoint, flutter, fmu_cache, outcome, pvd, slosh
 from master.case import Case
 from master.commands import common
 from master.errors import ExitCode
@@ -38,22 +39,27 @@ def execute(options: argparse.Namespace) -> int:
         cases.apply_override(case, f"flutter.V_f={options.vf!r}")
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
+    files, settings = _files(case, fmus), cases.flat(case)
+    hashes = {name: fmu_cache.sha256(path) for name, path in files.items()}
+    # all this before the steady flow, which may take minutes
+    keeper, start = common.keeper(options, settings, hashes), common.restart(options, settings, hashes, FREE)
+    if keeper is not None:
+        checkpoint.check_files({name: path for name, path in files.items() if (name, case.slosh.model) != ("slosh", "frozen")})
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         mach, V_f = case.flow.mach, case.flutter.V_f
         fields = None
-        if case.output.fields:
+        if start is not None and case.output.fields and not start.about["case"]["output.fields"]:
+            common.say("no flow fields: the march to go on with began without a folder for them", folder, progress)
+        elif case.output.fields:
             fields = folder.path / "fields"
             fields.mkdir()
         with FlutterRig(case, fmus, mach, fields, lambda text: common.say(text, folder, progress)) as rig:
-            about = provenance(rig.hashes())
+            about = provenance(hashes)
             for loop in rig.system.loops:
                 folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
             common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
-            settings, hashes = cases.flat(case), rig.hashes()
-            keeper = common.keeper(options, settings, hashes)
-            start = common.restart(options, settings, hashes, FREE)
             march = flutter.march(rig, V_f, fields, progress.watch, keeper, start)
             data = outcome.march_data(march, rig.steady_cpu)
             common.log_messages(rig.system.components, folder)
@@ -70,6 +76,13 @@ def execute(options: argparse.Namespace) -> int:
             common.show(march.failure)
             return ExitCode.COMPONENT
         return ExitCode.UNDETERMINED if march.verdict is Verdict.UNDETERMINED else ExitCode.OK
+
+
+def _files(case: Case, fmus: dict[str, Path]) -> dict[str, Path]:
+    """The FMU of each component."""
+    files = {"structure": fmus["structure"], "aero": fmus["aero"]}
+    liquid = {"slosh": case.slosh.model, "slosh_predictor": case.slosh.predictor}
+    return files | {name: fmus[slosh.FMU[model]] for name, model in liquid.items() if model in slosh.FMU}
 
 
 def _draw(case: Case, march: flutter.March, folder: RunFolder, progress: Progress) -> None:

@@ -22,7 +22,7 @@ def register(commands: Any) -> None:
     """The command line."""
     text = "run any system of FMUs, described in a system file"
     sub = commands.add_parser("run", help=text, description=text)
-    sub.add_argument("system", type=Path, metavar="SYSTEM", help="a TOML system file, e.g. cases/two_tanks.toml")
+    sub.add_argument("system", type=Path, metavar="SYSTEM", help="a TOML system file, e.g. cases/tank_on_springs.toml")
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
     sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
     sub.add_argument("--no-pictures", action="store_true", help="no picture")
@@ -46,6 +46,8 @@ def execute(options: argparse.Namespace) -> int:
             start = common.restart(options, settings, hashes, ("run.end", "run.pictures"))
             for loop in system.loops:
                 folder.log(f"algebraic loop, closed by the coupling scheme {assembly.coupling.scheme}: {' '.join(loop)}")
+            if assembly.dt != assembly.run.step:
+                common.say(f"steps of {assembly.dt!r} s: the run holds no whole number of run.step", folder, progress)
             progress.start(assembly.name)
             result = simulation.simulate(assembly, system, progress.watch, keeper, start)
             common.log_messages(system.everyone, folder)

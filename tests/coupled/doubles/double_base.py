@@ -1,6 +1,7 @@
 """Base of the test doubles: plain pythonfmu slaves, guarded by hand, with units and full state."""
 
 import copy
+import pickle
 import sys
 import traceback
 from xml.etree.ElementTree import Element, SubElement
@@ -77,3 +78,11 @@ class Double(Fmi2Slave):
     def _set_fmu_state(self, state):
         for name, value in state.items():
             setattr(self, name, copy.copy(value))
+
+    @staticmethod
+    def _fmu_state_to_bytes(state):
+        return pickle.dumps(state)
+
+    @staticmethod
+    def _fmu_state_from_bytes(data):
+        return pickle.loads(bytes(data))
