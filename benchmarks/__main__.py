@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import sys
 
-from . import exchange, flutter_point, kernels, slosh_vof
+from . import exchange, flutter_point, kernels, slosh_vof, sweep
 
 if __name__ == "__main__":
-    for benchmark in (kernels, exchange, flutter_point, slosh_vof):
+    for benchmark in (kernels, exchange, flutter_point, slosh_vof, sweep):
         print(f"\n{benchmark.__doc__.splitlines()[0] if benchmark.__doc__ else benchmark.__name__}")
         benchmark.run()
     sys.stdout.flush()

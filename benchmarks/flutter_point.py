@@ -1,4 +1,5 @@
 """A flutter point through FMUs and master: Isogai A, Mach 0.825, V_f 0.612, 2 + 5 cycles, 8,064 cells."""
+
 from __future__ import annotations
 
 import resource

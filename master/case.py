@@ -140,6 +140,7 @@ class Boundary:
     uncertainty: bool = key(
         False, "three more marches a crossing: half the step, half the amplitude, coarser mesh, into its error bar"
     )
+    richardson: bool = key(False, "uncertainty, its mesh part from three meshes: observed order, extrapolated V_f, GCI")
 
 
 @dataclass

@@ -7,12 +7,12 @@ import re
 from typing import Any
 
 _HEADER = re.compile(r"^\s*\[\s*([A-Za-z0-9_.\-]+)\s*\]")
-_KEY = re.compile(r"^\s*([A-Za-z0-9_\-]+)(?:\s*\.\s*([A-Za-z0-9_\-]+))?\s*=")
+_KEY = re.compile(r"""^\s*["']?([A-Za-z0-9_\-]+)(?:["']?\s*\.\s*["']?([A-Za-z0-9_\-]+))?["']?\s*=""")
 
 
 def line_numbers(text: str) -> dict[tuple[str, str], int]:
     """Line (from 1) of every `(table, key)`; `(table, "")` is the header's own line, `("", key)` a key of
-    no table."""
+    no table. A dotted key below a header, quoted or not, is there as a whole and by its first part."""
     lines: dict[tuple[str, str], int] = {}
     table = ""
     for number, line in enumerate(text.splitlines(), start=1):
@@ -21,8 +21,9 @@ def line_numbers(text: str) -> dict[tuple[str, str], int]:
             lines.setdefault((table, ""), number)
         elif found := _KEY.match(line):
             first, second = found.groups()
-            place = (first, second) if second and not table else (table, first)
-            lines.setdefault(place, number)
+            lines.setdefault((first, second) if second and not table else (table, first), number)
+            if second and table:
+                lines.setdefault((table, f"{first}.{second}"), number)
     return lines
 
 

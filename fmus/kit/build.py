@@ -38,16 +38,18 @@ PYTHONFMU = Path(inspect.getfile(pythonfmu)).parent
 BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
-# First line: pythonfmu 0.7 drops one reference of the script's globals at each instantiation.
+# pythonfmu 0.7 runs the script again at each instantiation, drops one reference of its globals (first line) and keeps one of the
+# class for ever: the class of the first time is taken again.
 SCRIPT = """\
 import sys; sys.__dict__.setdefault("_fmu_pins", []).append(globals())
 from {package}.{component}.fmu import {face} as _Face
 
+if "{component}" not in globals():
 
-class {component}(_Face):
-    __doc__ = _Face.__doc__
-    version = "{version}"
-    content_hash = "{hash}"
+    class {component}(_Face):
+        __doc__ = _Face.__doc__
+        version = "{version}"
+        content_hash = "{hash}"
 """
 
 DESCRIBE = """

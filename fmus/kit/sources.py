@@ -1,7 +1,8 @@
 """Which files belong to a component, and the hash of their content.
 
-A component is the folder `fmus/<name>/` with a `fmu.py`. To it belong its own folder, the shared folders it
-imports (`from ..tank.x import y`) and the modules of `kit` it reaches. The same functions work in the source
+A component is the folder `fmus/<name>/` with a `fmu.py`. To it belong the modules of its own folder that `fmu.py` reaches (not
+those that only train or document it) and its data files, the shared folders it imports (`from ..tank.x import y`) and the
+modules of `kit` it reaches. The same functions work in the source
 tree and inside an FMU, where the files lie in the same layout: same content, same hash.
 """
 
@@ -30,7 +31,10 @@ def component_files(folder: Path, root: Path) -> dict[str, Path]:
     kit: set[str] = set()
     while todo:
         here = todo.pop()
+        unused = _unreached(here) if here == folder else set()
         for path in _files(here):
+            if path in unused:
+                continue
             files[f"{here.name}/{path.relative_to(here).as_posix()}"] = path
             for name in _sibling_imports(path, here):
                 first, _, module = name.partition(".")
@@ -87,6 +91,25 @@ def _files(folder: Path) -> Iterator[Path]:
             and not any(part.startswith(".") for part in inside)
         ):
             yield path
+
+
+def _unreached(folder: Path) -> set[Path]:
+    """The modules in a component's folder that its face does not import, directly or through others."""
+    modules = {path for path in _files(folder) if path.suffix == ".py"}
+    reached, todo = {folder / "__init__.py"}, [folder / "fmu.py"]
+    while todo:
+        path = todo.pop()
+        if path in reached or path not in modules:
+            continue
+        reached.add(path)
+        level = len(path.relative_to(folder).parts)  # the level that means the component's folder
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"), filename=str(path))):
+            if isinstance(node, ast.ImportFrom) and 0 < node.level <= level:
+                here = path.parents[node.level - 1]
+                names = [node.module] if node.module else [alias.name for alias in node.names]
+                todo += [here / f"{name.replace('.', '/')}.py" for name in names]
+                todo += [here / name.replace(".", "/") / "__init__.py" for name in names]
+    return modules - reached
 
 
 def _sibling_imports(path: Path, folder: Path) -> Iterator[str]:

@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kit.cache import jit
+
 Array = NDArray[np.float64]
 
 
@@ -54,11 +56,15 @@ def course(start: SectionMotion, end: SectionMotion, duration: float) -> Array:
     accelerations are linear and positions cubic.
     """
     table = np.zeros((9, 6))
-    for row in (0, 3, 6):
-        x0, v0, a0 = start[row : row + 3]
-        x1, v1, a1 = end[row : row + 3]
-        table[row : row + 3] = _coordinate(x0, v0, a0, x1, v1, a1, duration)
+    course_into(np.array(start, dtype=float), np.array(end, dtype=float), duration, table)
     return table
+
+
+@jit
+def course_into(start: Array, end: Array, duration: float, table: Array) -> None:
+    """`course` between two rows of nine values, into `table` (9, 6); for kernels."""
+    for row in (0, 3, 6):
+        _coordinate(start, end, row, duration, table)
 
 
 def at(table: Array, share: float) -> SectionMotion:
@@ -66,26 +72,35 @@ def at(table: Array, share: float) -> SectionMotion:
     return SectionMotion(*(table @ share ** np.arange(6.0)).tolist())
 
 
-def _coordinate(x0: float, v0: float, a0: float, x1: float, v1: float, a1: float, duration: float) -> Array:
-    d, d2 = duration, duration**2
-    rows = np.zeros((3, 6))
+@jit
+def _coordinate(start: Array, end: Array, row: int, d: float, table: Array) -> None:
+    """The polynomials of one coordinate: rows `row` to `row` + 2 of the table."""
+    x0, v0, a0 = start[row], start[row + 1], start[row + 2]
+    x1, v1, a1 = end[row], end[row + 1], end[row + 2]
+    d2 = d**2
     largest = max(abs(a0), abs(a1))
     gap_rate = abs((v1 - v0) / d - 0.5 * (a0 + a1))
     gap_position = abs((x1 - x0) - 0.5 * d * (v0 + v1) - d2 * (a0 - a1) / 12)
     # rounding of positions and rates must not count as a contradiction
     rounding = 1e-12 * (abs(x0) + abs(x1) + d * (abs(v0) + abs(v1)))
-    cubic = [x0, d * v0, 3 * (x1 - x0) - d * (2 * v0 + v1), 2 * (x0 - x1) + d * (v0 + v1)]
+    table[row : row + 3] = 0.0
+    x = table[row]
+    x[0], x[1] = x0, d * v0
     if gap_rate * d <= AGREEMENT * largest * d + rounding and gap_position <= 0.1 * AGREEMENT * largest * d2 + rounding:
         first = x1 - x0 - d * v0 - 0.5 * d2 * a0
         second = d * (v1 - v0 - d * a0)
         third = d2 * (a1 - a0)
-        x = np.array([x0, d * v0, 0.5 * d2 * a0, 10 * first - 4 * second + 0.5 * third,
-                      -15 * first + 7 * second - third, 6 * first - 3 * second + 0.5 * third])  # fmt: skip
-        rows[0] = x
-        rows[1, :5] = x[1:] * np.arange(1, 6) / d
-        rows[2, :4] = x[2:] * np.arange(1, 5) * np.arange(2, 6) / d2
+        x[2] = 0.5 * d2 * a0
+        x[3] = 10 * first - 4 * second + 0.5 * third
+        x[4] = -15 * first + 7 * second - third
+        x[5] = 6 * first - 3 * second + 0.5 * third
+        for k in range(1, 6):
+            table[row + 1, k - 1] = x[k] * k / d
+        for k in range(2, 6):
+            table[row + 2, k - 2] = x[k] * k * (k - 1) / d2
     else:
-        rows[0, :4] = cubic
-        rows[1, :3] = np.array(cubic[1:]) * np.arange(1, 4) / d
-        rows[2, :2] = a0, a1 - a0
-    return rows
+        x[2] = 3 * (x1 - x0) - d * (2 * v0 + v1)
+        x[3] = 2 * (x0 - x1) + d * (v0 + v1)
+        for k in range(1, 4):
+            table[row + 1, k - 1] = x[k] * k / d
+        table[row + 2, 0], table[row + 2, 1] = a0, a1 - a0

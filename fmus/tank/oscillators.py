@@ -57,10 +57,10 @@ class Oscillators:
 
     def advance(self, w: Complex, force: Array, duration: float) -> Complex:
         """Amplitudes after `duration` [s]. force [m/s2]: coefficients of (t/duration)^k, shape (6, n) or (6, 1)."""
-        free, weights = self._propagator(duration)
+        free, weights = self.propagator(duration)
         return free * w + (weights * force).sum(axis=0)
 
-    def _propagator(self, duration: float) -> tuple[Complex, Complex]:
+    def propagator(self, duration: float) -> tuple[Complex, Complex]:
         """exp(lambda T), shape (n,), and T k! phi_{k+1}(lambda T), shape (6, n)."""
         if duration not in self._propagators:
             if len(self._propagators) >= _CACHED_STEPS:

@@ -1,0 +1,185 @@
+"""`aeroslosh sweep`: many points from one case, resumable."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time as clock
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from master import case as cases
+from master import estimate, plan, sweep
+from master import sweep_report as report
+from master.case import Case
+from master.commands import common
+from master.errors import AeroSloshError, ExitCode
+from master.jobs import Job, Product
+from master.parameters import Parameter, from_case, from_words
+from master.plan import Plan
+from master.record import provenance, source_hash
+from master.sweep import Pool, Store
+from master.sweep_progress import SweepProgress
+from master.workers import LocalPool, usable_cores
+
+FLAGS = {"grid": "grid", "list": "list", "hypercube": "latin-hypercube"}
+
+
+def register(commands: Any) -> None:
+    """The command line."""
+    text = "compute many points or boundaries of a case: grids, lists, Latin hypercubes over any key; resumable"
+    sub = commands.add_parser("sweep", help=text, description=text)
+    common.add_case(sub)
+    keys = sub.add_argument_group("what is swept, instead of the case's [sweep.parameters]")
+    keys.add_argument(
+        "--grid", action="append", metavar="KEY=VALUES", help="flow.mach=0.7,0.8 or slosh.fill_level=0.1:0.9:5[:log]"
+    )
+    keys.add_argument("--list", action="append", metavar="KEY=VALUES", help="values that go together, as many of every key")
+    keys.add_argument("--hypercube", action="append", metavar="KEY=LOW:HIGH", help="ranges that --samples are drawn from")
+    keys.add_argument("--samples", type=int, metavar="N", help="points of the Latin hypercube")
+    keys.add_argument("--seed", type=int, metavar="N", help="of the Latin hypercube")
+    sub.add_argument("--workers", type=int, metavar="N", help="worker processes (default: one for each usable core)")
+    sub.add_argument("--scheduler", metavar="URL", help="compute on a Dask cluster, e.g. tcp://host:8786")
+    sub.add_argument("--resume", action="store_true", help="go on with the sweep in the folder")
+    sub.add_argument("--retry-failed", action="store_true", help="with --resume: compute failed points again")
+    sub.add_argument(
+        "--recycle", type=int, default=500, metavar="N", help="points after which a worker is replaced (default 500)"
+    )
+    sub.add_argument("--dry-run", action="store_true", help="points and their cost, from a few steps; nothing is written")
+    sub.set_defaults(execute=execute)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Plan, compute, report."""
+    workers = usable_cores() if options.workers is None else options.workers
+    if workers < 1 or options.recycle < 1:
+        what = f"--workers {workers}" if workers < 1 else f"--recycle {options.recycle}"
+        raise AeroSloshError(what, "command line", "a whole number, at least 1")
+    if options.retry_failed and not options.resume:
+        raise AeroSloshError("--retry-failed without --resume", "command line", "failed points of a sweep are retried with both")
+    case, parameters = _case(options)
+    wanted = plan.make(case, parameters, options.fmus, str(options.case))
+    folder = common.run_folder(options, case.name).absolute()
+    progress = SweepProgress(options.quiet or options.json)
+    if wanted.repeated:
+        progress.say(f"{wanted.repeated} points of the sweep are asked for twice: each is computed once")
+    if options.dry_run:
+        return _dry_run(options, wanted, folder, workers, progress)
+    _make_folder(folder, options.resume)
+    with sweep.locked(folder):
+        if not options.resume and sweep.begun(folder):
+            remedy = "go on with it: --resume; start anew: another folder with --out, or remove it"
+            raise AeroSloshError("The folder holds a sweep already", str(folder), remedy)
+        return _alone(options, case, wanted, folder, workers, progress)
+
+
+def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, workers: int, progress: SweepProgress) -> int:
+    """The sweep, by the one master of its folder."""
+
+    def say(text: str) -> None:
+        progress.say(text)
+        sweep.log(folder, text)
+
+    def on_product(product: Product) -> None:
+        progress.took(product.record.wall_seconds)
+        if product.record.cause:
+            say(f"point {product.record.id} failed: {product.record.cause}")
+
+    begin = clock.perf_counter()
+    store = Store.open(folder, say)
+    pool: Pool | None = None
+    try:
+        store.enter(wanted, provenance({})["versions"] | {"aeroslosh sources": source_hash()[:12]})
+        store.write("case.toml", cases.dump(case).encode())
+        store.mend()
+        if options.retry_failed:
+            say(f"{store.retry()} failed points are computed again")
+        left = store.left(wanted)
+        if left:
+            pool = _pool(options, wanted, workers, say)
+            say(f"{len(left)} of {len(wanted.points)} points to compute on {pool.name}")
+            _forecast(pool, left, progress)
+            sweep.run(wanted, store, pool, " ".join(sys.argv), progress.show, on_product)
+        return report.conclude(options, wanted, store, clock.perf_counter() - begin)
+    except KeyboardInterrupt:
+        kept = len(wanted.points) - len(store.left(wanted))
+        said = f"interrupted; {kept} of {len(wanted.points)} points are finished and kept, --resume goes on"
+        print(f"\naeroslosh: {said}", file=sys.stderr)
+        return ExitCode.INTERRUPTED
+    finally:
+        if pool is not None:
+            pool.close()
+        store.close()
+
+
+def _case(options: argparse.Namespace) -> tuple[Case, list[Parameter]]:
+    """The case with what the command line changes in it, and what is swept."""
+    case = common.load_case(options)
+    flags = [flag for flag in FLAGS if getattr(options, flag)]
+    if len(flags) > 1:
+        raise AeroSloshError(f"--{flags[0]} and --{flags[1]} together", "command line", "a sweep has one mode: take one of them")
+    for name in ("samples", "seed"):
+        if getattr(options, name) is not None:
+            cases.apply_override(case, f"sweep.{name}={getattr(options, name)}")
+    if not flags:
+        return case, from_case(case, options.case)
+    cases.apply_override(case, f'sweep.mode="{FLAGS[flags[0]]}"')
+    parameters = [from_words(text, f"--{flags[0]}") for text in getattr(options, flags[0])]
+    case.sweep.parameters = {p.name: p.written for p in parameters}  # so that the folder's case.toml says it all
+    return case, parameters
+
+
+def _make_folder(folder: Path, resume: bool) -> None:
+    """Make the folder, or see that it is a sweep's. Raises AeroSloshError."""
+    if sweep.begun(folder):
+        return
+    if resume:
+        remedy = "start it without --resume, or name its folder with --out"
+        raise AeroSloshError("There is no sweep to resume", str(folder), remedy)
+    if folder.exists() and (not folder.is_dir() or any(p.name != sweep.LOCK for p in folder.iterdir())):
+        remedy = "give another folder with --out, or remove it"
+        raise AeroSloshError("The output folder exists and holds something else than a sweep", str(folder), remedy)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise sweep.unwritable(error, folder) from None
+
+
+def _pool(options: argparse.Namespace, wanted: Plan, workers: int, say: Callable[[str], None]) -> Pool:
+    """Local workers, or those of a cluster."""
+    if options.scheduler is None:
+        return LocalPool(workers, options.recycle, say)
+    from master.cluster import DaskPool  # a package that only clusters need
+
+    files = {file for p in wanted.points for file in p.files.values()}
+    return DaskPool(options.scheduler, sorted(files), options.recycle, say)
+
+
+def _forecast(pool: Pool, left: list[Job], progress: SweepProgress) -> None:
+    """Compile what the points need before several workers want it at once; expect so much time of a point."""
+    tried = estimate.to_probe(left) if pool.size > 1 else []
+    probes = pool.prepare(tried)
+    progress.workers = min(pool.size, len(left))
+    if probes:
+        progress.expected = estimate.cost(left, tried, probes).cpu_seconds / len(left)
+
+
+def _dry_run(options: argparse.Namespace, wanted: Plan, folder: Path, workers: int, progress: SweepProgress) -> int:
+    """What there is to do and what it costs."""
+    finished = {path.stem for path in folder.glob("points/*.nc")}
+    left = [Job(p.id, wanted.kind, p.case, p.overrides, p.files) for p in wanted.points if p.id not in finished]
+    tried = estimate.to_probe(left)
+    pool = LocalPool(1, options.recycle, progress.say)
+    try:
+        probes = pool.prepare(tried) if tried else []
+    finally:
+        pool.close()
+    for job, probe in zip(tried, probes, strict=True):
+        if probe.error:
+            progress.say(f"note: {estimate.label(job)}: a few steps could not be made: {probe.error}")
+    found = estimate.cost(left, tried, probes)
+    data = {"points": len(wanted.points), "finished": len(wanted.points) - len(left)} | estimate.data(found, workers)
+    print(json.dumps(data) if options.json else estimate.summary(data, wanted))
+    return ExitCode.OK

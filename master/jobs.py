@@ -1,0 +1,224 @@
+"""What one point computes, in whatever process: a job comes in, a product (its record and its file's bytes) goes out.
+
+A kind of job is a function of `KINDS`. An open rig is kept for the next point that can march it: its aero FMU rewinds to the
+steady flow, structure and liquid are new, so that a result does not depend on what was computed before."""
+
+from __future__ import annotations
+
+import time as clock
+import traceback
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from master import boundary_case, flutter, fmu_cache, outcome, point_file
+from master.case import Case
+from master.errors import AeroSloshError, ComponentError
+from master.flutter import March
+from master.plan import mach_of, rig_key
+from master.point_file import Record
+from master.record import provenance
+from master.rig import FlutterRig
+from master.similarity import scales
+from master.verdict import Verdict
+
+RIGS = 2  # open rigs a worker keeps
+PROBED = 12  # steps whose time a probe measures, after as many that warm up
+
+
+@dataclass(frozen=True)
+class Job:
+    """One point to compute. `files`: FMU name (or "airfoil") → path and SHA-256; `command` goes into the provenance."""
+
+    id: str
+    kind: str
+    case: Case
+    overrides: dict[str, Any]
+    files: dict[str, tuple[Path, str]]
+    attempt: int = 1
+    command: str = ""
+
+    @property
+    def rig_key(self) -> str:
+        """Jobs of one key march the same rig."""
+        return rig_key(self.case, mach_of(self.kind, self.case))
+
+    @property
+    def fmus(self) -> dict[str, Path]:
+        """The FMU files by component name."""
+        return {name: path for name, (path, _) in self.files.items() if name != "airfoil"}
+
+
+@dataclass(frozen=True)
+class Product:
+    """A finished point: its record, and the content of its netCDF file."""
+
+    record: Record
+    netcdf: bytes
+
+
+@dataclass(frozen=True)
+class Probe:
+    """What a few steps of a point cost, in seconds of CPU; `error` says why they could not be made."""
+
+    open_seconds: float = 0.0
+    step_seconds: float = 0.0
+    error: str = ""
+
+
+@dataclass
+class Computed:
+    """What a kind's function returns. `cause` is empty unless the point failed."""
+
+    result: dict[str, Any]
+    determined: bool
+    marches: list[March] = field(default_factory=list)
+    cause: str = ""
+    traceback: str = ""
+
+
+class FilesChanged(AeroSloshError):
+    """A file of the sweep is gone or is another than the sweep began with: nothing may be computed from it."""
+
+
+class _Enough(Exception):
+    """A probe has seen its steps."""
+
+
+class Bench:
+    """The open rigs of one process, the latest last."""
+
+    def __init__(self) -> None:
+        self._rigs: OrderedDict[str, FlutterRig] = OrderedDict()
+
+    def rig(self, job: Job) -> FlutterRig:
+        """A rig for `job`, at its case: one kept, or a new one. Raises AeroSloshError."""
+        key = job.rig_key
+        rig = self._rigs.pop(key, None)
+        if rig is None:
+            while len(self._rigs) >= RIGS:
+                self._rigs.popitem(last=False)[1].close()
+            rig = FlutterRig(job.case, job.fmus, job.case.flow.mach)
+        self._rigs[key] = rig
+        rig.case = job.case
+        for component in rig.system.components:
+            component.messages.clear()
+        return rig
+
+    def drop(self, job: Job) -> None:
+        """Close the rig of `job`: after a failure nothing of it is trusted."""
+        rig = self._rigs.pop(job.rig_key, None)
+        if rig is not None:
+            rig.close()
+
+
+def compute(job: Job, bench: Bench, worker: str) -> Product:
+    """The point of `job`. A failure is a product too. Raises FilesChanged."""
+    check_files(job)
+    begin = clock.time(), clock.perf_counter(), clock.process_time()
+    try:
+        found = KINDS[job.kind](job, bench)
+    except AeroSloshError as error:
+        trace = error.traceback if isinstance(error, ComponentError) else str(error)
+        found = Computed({}, False, [], error.what, trace)
+    except Exception as error:  # a fault of ours must not end the sweep; the traceback goes where the user looks
+        found = Computed({}, False, [], f"internal error: {type(error).__name__}: {error}", traceback.format_exc())
+    if found.cause:
+        bench.drop(job)
+    cpu, wall = clock.process_time() - begin[2], clock.perf_counter() - begin[1]
+    record = Record(
+        id=job.id,
+        kind=job.kind,
+        overrides=job.overrides,
+        status="failed" if found.cause else "done",
+        determined=found.determined and not found.cause,
+        result=found.result or None,
+        cause=found.cause,
+        traceback=found.traceback,
+        attempts=job.attempt,
+        worker=worker,
+        cpu_seconds=cpu,
+        wall_seconds=wall,
+        started=begin[0],
+        finished=clock.time(),
+    )
+    return finished(record, job, found.marches)
+
+
+def failed(job: Job, cause: str, worker: str) -> Product:
+    """The product of a point that no worker could finish."""
+    now = clock.time()
+    record = Record(job.id, job.kind, job.overrides, "failed", False, None, cause, "", job.attempt, worker, 0.0, 0.0, now, now)
+    return finished(record, job, [])
+
+
+def finished(record: Record, job: Job, marches: list[March]) -> Product:
+    """A product with the provenance of `job`."""
+    about = provenance({name: digest for name, (_, digest) in job.files.items()}) | {"command": job.command}
+    return Product(record, point_file.pack(record, marches, about))
+
+
+def check_files(job: Job) -> None:
+    """Raises FilesChanged unless every file is what it was when the sweep began."""
+    for path, digest in job.files.values():
+        if not path.is_file() or fmu_cache.sha256(path) != digest:
+            what = "has changed since the sweep began" if path.is_file() else "is gone"
+            remedy = "put back the file that the sweep began with and go on with --resume, or start a new sweep with --out"
+            raise FilesChanged(f"{path.name} {what}", str(path), remedy)
+
+
+def probe(job: Job, bench: Bench) -> Probe:
+    """Open the rig of `job` and make a few steps: its kernels are compiled then, and their cost is known."""
+    check_files(job)
+    begin, marks = clock.process_time(), [0.0, 0.0]
+
+    def watch(step: int, steps: int, *_: object) -> None:
+        if step in (PROBED, 2 * PROBED):
+            marks[step // PROBED - 1] = clock.process_time()
+        if step == 2 * PROBED:
+            raise _Enough
+
+    try:
+        rig = bench.rig(job)
+        opened = clock.process_time()
+        flutter.march(rig, job.case.flutter.V_f, None, watch)
+    except _Enough:
+        return Probe(opened - begin, (marks[1] - marks[0]) / PROBED)
+    except AeroSloshError as error:
+        bench.drop(job)
+        return Probe(error=error.what)
+    bench.drop(job)
+    return Probe(opened - begin, 0.0, "the march ended in its first steps")
+
+
+def steps(job: Job) -> int:
+    """Steps of one march of `job`."""
+    f = job.case.flutter
+    a_cycle = scales(job.case, mach_of(job.kind, job.case), f.V_f).steps_per_cycle
+    return round(f.forced_cycles / f.forced_frequency * a_cycle) + round(f.free_cycles * a_cycle)
+
+
+def _point(job: Job, bench: Bench) -> Computed:
+    """One march."""
+    rig = bench.rig(job)
+    march = flutter.march(rig, job.case.flutter.V_f)
+    result = outcome.march_data(march, rig.steady_cpu)
+    failure = march.failure
+    cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
+    return Computed(result, march.verdict is not Verdict.UNDETERMINED, [march], cause, trace)
+
+
+def _boundary(job: Job, bench: Bench) -> Computed:
+    """All Mach numbers of one boundary; its rigs are its own."""
+    points = boundary_case.solve(job.case, job.fmus, lambda text: None)
+    model = job.case.slosh.model
+    result = {"slosh": model, "points": [{"slosh": model} | outcome.point_data(p) for p in points]}
+    failures = [p.failure for p in points if p.failure is not None and not p.converged]
+    cause = "; ".join(dict.fromkeys(f.what for f in failures))
+    trace = "\n".join(f"{f}\n{f.traceback}" for f in failures)
+    return Computed(result, all(p.converged for p in points), [m for p in points for m in p.marches], cause, trace)
+
+
+KINDS: dict[str, Callable[[Job, Bench], Computed]] = {"point": _point, "boundary": _boundary}

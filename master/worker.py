@@ -1,0 +1,105 @@
+"""A worker: a process that computes one point after the other, told what to do through a pipe
+(`main`; arguments: the file number of its end, the worker's name).
+
+It ends by itself, also in the middle of a point, when the process at the other end of the pipe is gone, however that ended."""
+
+from __future__ import annotations
+
+import gc
+import os
+import pickle
+import queue
+import signal
+import sys
+import threading
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+from master import jobs
+from master.jobs import Bench, FilesChanged, Job, Probe, Product
+
+IDLE = 900.0  # seconds without work after which a worker ends: it may have been forgotten on a cluster
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a worker says of a task: one of `product`, `probe`, `refusal` (what, where, remedy of a FilesChanged) is there.
+    The first answer has none of them: the worker is ready.
+
+    compiled   kernels compiled meanwhile: such a process may round otherwise than those that read them from the cache
+    memory     resident memory of the worker afterwards, bytes"""
+
+    product: Product | None = None
+    probe: Probe | None = None
+    refusal: tuple[str, str, str] | None = None
+    compiled: int = 0
+    memory: int = 0
+
+
+def main() -> None:
+    """Answer tasks until told to stop."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the master decides
+    os.dup2(2, 1)  # whatever an FMU prints
+    pipe, name = Connection(int(sys.argv[1])), sys.argv[2]
+    tasks: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(pipe, tasks), daemon=True).start()
+    bench, compiled = Bench(), _count_compilations()
+    gc.freeze()  # what was imported stays, and is not looked through after every point
+    pipe.send(Answer())
+    while True:
+        try:
+            what, job = tasks.get(timeout=IDLE)
+        except queue.Empty:
+            os._exit(0)
+        before = len(compiled)
+        answer = _answer(what, job, bench, name)
+        gc.collect()  # every FMU instance leaves cycles; among numba's many objects the collector alone comes too seldom
+        pipe.send(Answer(*answer, compiled=len(compiled) - before, memory=resident_memory()))
+
+
+def resident_memory() -> int:
+    """Of this process, in bytes; 0 where the system does not tell."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return 0
+
+
+def _answer(what: str, job: Job, bench: Bench, name: str) -> tuple[Product | None, Probe | None, tuple[str, str, str] | None]:
+    try:
+        if what == "probe":
+            return None, jobs.probe(job, bench), None
+        return jobs.compute(job, bench, name), None, None
+    except FilesChanged as error:
+        return None, None, (error.what, error.where, error.remedy)
+
+
+def _listen(pipe: Connection, tasks: queue.SimpleQueue[Any]) -> None:
+    """Hand on what comes through the pipe. `os._exit`: pythonfmu's wrapper can abort at a normal exit."""
+    while True:
+        try:
+            task = pipe.recv()
+        except (EOFError, OSError, pickle.UnpicklingError):
+            os._exit(1)
+        if task is None:
+            os._exit(0)
+        tasks.put(task)
+
+
+def _count_compilations() -> list[Any]:
+    """A list that grows by an entry with every kernel that numba compiles instead of reading it from its cache."""
+    from numba.core import event
+
+    seen: list[Any] = []
+
+    class Counter(event.Listener):
+        def on_start(self, event: Any) -> None:
+            seen.append(event.data["dispatcher"].py_func.__qualname__)
+
+        def on_end(self, event: Any) -> None:
+            pass
+
+    event.register("numba:compile", Counter())
+    return seen

@@ -1,0 +1,257 @@
+"""Local worker processes: started, given points, replaced when they die or have grown, one after the other or side by side.
+
+No result comes from a process that compiled a kernel while it computed: compiled code read back from the cache can differ from
+it in the last bits. Such a worker is replaced and its point computed afresh; a probe before the start keeps that rare, and keeps
+several workers from compiling the same kernels at once."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from multiprocessing import Pipe
+from multiprocessing.connection import wait
+from pathlib import Path
+
+import master
+from master.errors import AeroSloshError
+from master.jobs import RIGS, Job, Probe, Product
+from master.worker import Answer
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+GROWN = 512 << 20  # bytes by which a worker's resident memory may grow
+
+
+class WorkerDied(Exception):
+    """A worker ended without an answer; the text says how."""
+
+
+class Worker:
+    """One worker process and the pipe to it. `answered` points so far; `memory` [bytes] after the first and the last of them."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.answered, self.memory = name, 0, (0, 0)
+        self.job: Job | None = None
+        self._ready = False
+        self.keys: deque[str] = deque(maxlen=RIGS)
+        self.pipe, theirs = Pipe()
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115
+        place = str(Path(master.__file__).resolve().parents[1])
+        path = os.pathsep.join([place, *filter(None, [os.environ.get("PYTHONPATH")])])
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", "from master.worker import main; main()", str(theirs.fileno()), name],
+            stdin=subprocess.DEVNULL,
+            stderr=self._said,
+            pass_fds=[theirs.fileno()],
+            env=os.environ | dict.fromkeys(THREADS, "1") | {"PYTHONPATH": path},
+        )
+        theirs.close()
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    def give(self, what: str, job: Job) -> None:
+        """Send a task: "compute" or "probe". Raises WorkerDied."""
+        self.job = job
+        if job.rig_key not in self.keys:
+            self.keys.append(job.rig_key)
+        try:
+            self.pipe.send((what, job))
+        except OSError:
+            raise WorkerDied(self._death()) from None
+
+    def take(self) -> Answer | None:
+        """Wait for what the worker says: an answer, or None for its first word, that it is ready.
+
+        Raises WorkerDied, and AeroSloshError when a file of the sweep has changed or workers cannot start at all."""
+        try:
+            answer: Answer = self.pipe.recv()
+        except (EOFError, OSError):
+            raise WorkerDied(self._death()) from None
+        if not self._ready:
+            self._ready = True
+            return None
+        if answer.refusal is not None:
+            raise AeroSloshError(*answer.refusal)
+        if answer.product is not None:
+            self.answered += 1
+            self.memory = (self.memory[0] or answer.memory, answer.memory)
+        self.job = None
+        return answer
+
+    def ask(self, what: str, job: Job) -> Answer:
+        """Give a task and wait for its answer. Raises like `take`."""
+        self.give(what, job)
+        while (answer := self.take()) is None:
+            pass
+        return answer
+
+    def end(self) -> None:
+        """End the process, whatever it does."""
+        self.pipe.close()
+        self._process.kill()
+        self._process.wait()
+        self._said.close()
+
+    def _death(self) -> str:
+        """How the process ended, and the last lines it wrote."""
+        try:
+            code = self._process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            return "worker closed its pipe"
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        if code < 0 and -code in set(signal.Signals):
+            how += f" ({signal.Signals(-code).name})"
+        self._said.seek(0)
+        words = self._said.read().decode("utf-8", "replace").strip()[-2000:]
+        if code > 0 and not self._ready:
+            remedy = "the worker's own words are above; see that aeroslosh runs on that machine"
+            raise AeroSloshError(f"A worker process could not start ({how}): {words}", f"worker {self.name}", remedy)
+        return f"worker ended by {how}" + (f"\n{words}" if words else "")
+
+
+@dataclass
+class Events:
+    """What happened: points given to a worker (job, worker's name), products, points lost with a cause, notes for the user."""
+
+    started: list[tuple[Job, str]] = field(default_factory=list)
+    products: list[Product] = field(default_factory=list)
+    lost: list[tuple[Job, str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+class LocalPool:
+    """`count` workers on this machine, each replaced after `recycle` points."""
+
+    def __init__(self, count: int, recycle: int, say: Callable[[str], None]) -> None:
+        self.count, self._recycle, self._say = count, recycle, say
+        self._jobs: OrderedDict[str, deque[Job]] = OrderedDict()  # by rig: a worker goes on with the rig it has
+        self._workers: list[Worker] = []
+        self._started = 0
+        self._afresh: set[str] = set()  # points computed a second time since a kernel was compiled in the first
+        self._always = False  # the second time too: these FMUs do not cache their kernels
+
+    @property
+    def name(self) -> str:
+        """For the user."""
+        return f"{self.count} local worker{'s' if self.count > 1 else ''}"
+
+    @property
+    def size(self) -> int:
+        """Points computed at a time."""
+        return self.count
+
+    @property
+    def room(self) -> int:
+        """The pool takes every job at once."""
+        return 1 << 30
+
+    def add(self, job: Job) -> None:
+        """Put a job into the queue."""
+        self._jobs.setdefault(job.rig_key, deque()).append(job)
+
+    def prepare(self, jobs: Iterable[Job]) -> list[Probe]:
+        """Compile what these jobs need, in a worker that is thrown away if it had to; what their first steps cost."""
+        worker, probes = self._start(), []
+        for job in jobs:
+            try:
+                answer = worker.ask("probe", job)
+                if answer.compiled:
+                    self._say(f"{answer.compiled} kernels compiled, kept for later runs")
+                    worker.end()
+                    worker = self._start()
+                    answer = worker.ask("probe", job)
+            except WorkerDied as death:  # the point itself will tell; it is not lost on account of a probe
+                worker.end()
+                worker = self._start()
+                probes.append(Probe(error=str(death)))
+                continue
+            probes.append(answer.probe or Probe())
+        self._workers.append(worker)
+        return probes
+
+    def wait(self, seconds: float) -> Events:
+        """Give out points, then wait until something happens, at most so long. Raises AeroSloshError when a file has changed."""
+        events = Events()
+        waiting = sum(map(len, self._jobs.values()))
+        busy = sum(w.job is not None for w in self._workers)
+        while len(self._workers) < min(self.count, busy + waiting):
+            self._workers.append(self._start())
+        for worker in list(self._workers):
+            if worker.job is None and self._jobs:
+                job = self._next(worker)
+                events.started.append((job, worker.name))
+                try:
+                    worker.give("compute", job)
+                except WorkerDied as death:
+                    self._lose(worker, job, str(death), events)
+        ready = wait([w.pipe for w in self._workers], 0.0 if events.lost else seconds)
+        for worker in [w for w in self._workers if w.pipe in ready]:
+            self._hear(worker, events)
+        return events
+
+    def close(self) -> None:
+        """End all workers; what they compute is lost."""
+        for worker in self._workers:
+            worker.end()
+        self._workers.clear()
+
+    def _start(self) -> Worker:
+        self._started += 1
+        return Worker(f"local-{self._started}")
+
+    def _next(self, worker: Worker) -> Job:
+        """A point whose rig the worker has open, else one of a rig nobody has, else the oldest."""
+        held = {key for w in self._workers for key in w.keys}
+        key = next((k for k in worker.keys if k in self._jobs), None)
+        key = key or next((k for k in self._jobs if k not in held), None) or next(iter(self._jobs))
+        jobs = self._jobs[key]
+        job = jobs.popleft()
+        if not jobs:
+            del self._jobs[key]
+        return job
+
+    def _hear(self, worker: Worker, events: Events) -> None:
+        """Take what a worker says, or its death."""
+        job = worker.job
+        try:
+            answer = worker.take()
+        except WorkerDied as death:
+            self._lose(worker, job, str(death), events)
+            return
+        if answer is None or answer.product is None or job is None:
+            return
+        if answer.compiled and not self._always:
+            if job.id not in self._afresh:
+                self._afresh.add(job.id)
+                self._retire(worker)
+                self._jobs.setdefault(job.rig_key, deque()).appendleft(job)
+                return
+            self._always = True
+            events.notes.append("the FMUs compile kernels in every process: results may differ in the last bits between workers")
+        events.products.append(answer.product)
+        if worker.answered >= self._recycle or worker.memory[1] > worker.memory[0] + GROWN:
+            self._retire(worker)
+
+    def _lose(self, worker: Worker, job: Job | None, cause: str, events: Events) -> None:
+        """A worker is dead, and with it what it computed."""
+        self._retire(worker)
+        if job is not None:
+            events.lost.append((job, cause))
+            events.notes.append(f"{worker.name}: {cause.splitlines()[0]} while it computed point {job.id}")
+
+    def _retire(self, worker: Worker) -> None:
+        self._workers.remove(worker)
+        worker.end()
+
+
+def usable_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
