@@ -173,6 +173,7 @@ class Slosh:
         "auto", "ems: damping ratio of every mode; 0: from the viscosity", low=0.0, high=0.9, choices=["auto"]
     )
     parametric: bool | str = key("auto", "ems: gravity of the moment and finite angles", choices=["auto"])
+    network: str = key("auto", "rbf: trained network in the FMU, or bilinear or ems (equations alone); auto: its default")
     cells_x: int | str = key("auto", "vof: cells along the tank", low=16, high=2048, choices=["auto"])
     cells_y: int | str = key("auto", "vof: cells over its height", low=16, high=2048, choices=["auto"])
     wall_slip: bool | str = key("auto", "vof: walls without friction", choices=["auto"])

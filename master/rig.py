@@ -33,12 +33,6 @@ def find_fmus(folder: Path, *models: str) -> dict[str, Path]:
     missing."""
     found = {name: folder / f"{name}.fmu" for name in (*NEEDED, *slosh.needed(models))}
     missing = [path.name for path in found.values() if not path.is_file()]
-    if missing == ["slosh_rbf.fmu"]:
-        raise AeroSloshError(
-            "The slosh model rbf is not available yet: FMU missing: slosh_rbf.fmu",
-            str(folder),
-            "take --slosh frozen, ems or vof",
-        )
     if missing:
         raise AeroSloshError(
             f"FMU missing: {', '.join(missing)}",

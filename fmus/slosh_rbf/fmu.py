@@ -1,0 +1,116 @@
+"""Face of the surrogate: names, units and state of a network in a tank."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..kit.failure import StepError
+from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.slave import Slave
+from ..kit.variables import output, parameter
+from ..tank.frozen import Load, constants, residual_load
+from ..tank.liquid import Tank
+from ..tank.motion import SectionMotion
+from .memory import Array
+from .network import Network, NetworkError, load, untrained
+from .surrogate import Answer, State, Surrogate
+
+INPUTS = (*MOTION, *SURGE)
+EQUATIONS = {"ems": False, "bilinear": True}
+"""Networks without weights: the base alone, linear or with products of gravity's change."""
+
+
+class SloshRbf(Slave):
+    """Slosh of a rectangular tank by a radial-basis-function network on the memory of linear waves, trained on two-phase flow."""
+
+    stop_time = 10.0
+    step_size = 2e-3
+
+    variables = (
+        *tank_parameters(),
+        parameter("network", "default", "", "Trained network in the FMU's resources, or bilinear or ems: equations alone"),
+        *motion_inputs(),
+        *surge_inputs(),
+        *slosh_outputs(),
+        output("extrapolation", "1", "Distance to the training data: 0 inside, 1 at their edge, above: outside", depends=INPUTS),
+        output("validity", "1", "Largest of unevenness/1.5, wave_growth/7, extrapolation since the start: above 1 it fails",
+               depends=INPUTS),
+        output("unevenness", "1", "Largest |g_n/g - 1| + (l/2)|alpha''|/g since the start: towards 1.5 surfaces break",
+               depends=INPUTS),
+        output("wave_growth", "1", "Logarithm of the growth of waves that gravity's changes feed (Faraday)", depends=INPUTS,
+               depends_initially=()),
+        output("effective_gravity", "m/s2", "Gravity less acceleration at the liquid's centre, along the tank's vertical",
+               quantity="Acceleration", depends=INPUTS),
+        output("wave_height_west", "m", "Surface above its level at rest at the fore wall, linear waves", quantity="Length",
+               depends=INPUTS),
+        output("wave_height_east", "m", "Surface above its level at rest at the aft wall, linear waves", quantity="Length",
+               depends=INPUTS),
+    )  # fmt: skip
+
+    def prepare(self) -> None:
+        """Tank, network and waves from the parameters."""
+        self.tank = Tank(
+            self.tank_length, self.tank_height, self.tank_width, self.fill_level, self.tank_x, self.tank_y,
+            self.liquid_density, self.gravity,
+        )  # fmt: skip
+        try:
+            self.model = Surrogate(self._network(), self.tank, self.liquid_viscosity, self.gas_density)
+        except NetworkError as error:
+            raise StepError(str(error)) from error
+
+    def initialize(self) -> None:
+        """Level surface at the initial tilt, liquid moving with the tank."""
+        rest = constants(self.tank)
+        gas = self.tank.mass * self.model.body.gas_mass
+        rest["static_force_y"] -= gas * self.gravity
+        rest["static_moment"] += gas * self.gravity * self.tank.x
+        self.__dict__.update(rest)
+        self.motion = self._motion()
+        self.state, self.worst = self.model.start(self.motion), 0.0
+        self._publish()
+
+    def step(self, time: float, step_size: float) -> None:
+        """Advance along the course between the motions at both ends of the step."""
+        end = self._motion()
+        self.state = self.model.advance(self.state, self.motion, end, step_size)
+        self.motion = end
+        self._publish()
+
+    def save(self) -> dict[str, Any]:
+        """Memory, waves of the gate, answer, motion, largest validity."""
+        state = self.state
+        return {"w": state.w, "waves": state.waves, "answer": list(state.answer), "motion": self.motion, "worst": self.worst}
+
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        """Take them back."""
+        self.state = State(snapshot["w"], snapshot["waves"], Answer(*snapshot["answer"]))
+        self.motion, self.worst = snapshot["motion"], snapshot["worst"]
+
+    def _network(self) -> Network:
+        if self.network in EQUATIONS:
+            return untrained(self.network, EQUATIONS[self.network])
+        path = self.folder / "weights" / f"{self.network}.npz"
+        if not path.is_file():
+            known = ", ".join([*sorted(p.stem for p in path.parent.glob("*.npz")), *EQUATIONS])
+            raise StepError(f"there is no network '{self.network}'. Remedy: one of {known}")
+        return load(path)
+
+    def _motion(self) -> Array:
+        return np.array([getattr(self, name) for name in INPUTS])
+
+    def _publish(self) -> None:
+        answer, motion = self.state.answer, SectionMotion(*self.motion.tolist())
+        whole = Load(answer.force_x, answer.force_y, answer.moment)
+        self.force_x, self.force_y, self.moment = whole
+        # the structure carries no gas: its weight is static load, its inertia stays in the residual
+        weight = self.tank.mass * self.model.body.gas_mass * self.gravity
+        liquid = Load(whole.force_x, whole.force_y + weight, whole.moment - weight * self.tank.x)
+        self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, motion)
+        self.extrapolation, self.unevenness, self.wave_growth = answer.extrapolation, answer.uneven, answer.growth
+        self.worst = max(self.worst, answer.validity)
+        self.validity = self.worst
+        self.effective_gravity = self.model.effective_gravity(self.motion)
+        self.wave_height_east = self.model.wave_height(self.state.w)
+        self.wave_height_west = -self.wave_height_east
