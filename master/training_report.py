@@ -48,6 +48,12 @@ Records cost {result["records_cpu_s"]:.0f} s CPU, training {result["training_cpu
 Free run. Errors: rms of the difference over the load's std (at least 0.2 % of the weight); work: of eta
 (fmus/slosh_rbf/measures.py).
 
+D up to 0.75:
+
+{table(result["calm"])}
+
+D up to 1:
+
 {table(result["whole"])}
 
 ## The same, record by record (Fx / Fy / Mz in per cent)

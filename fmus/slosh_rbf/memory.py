@@ -8,8 +8,8 @@ gamma = −f_y/g − 1 the change of the effective gravity, modal masses s_n and
 
 Together they are the equation of Benjamin and Ursell (Proc. R. Soc. A 225 (1954) 505, doi:10.1098/rspa.1954.0218) for a gravity
 that changes: s is linear slosh, S may grow of itself (Mathieu). Breaking holds such growth in bounds in a tank; here S_n is cut
-where its wave reaches half the depth. So bounded motion gives bounded memory, whatever reads it out: s is linear and damped, S is
-cut.
+where its wave reaches a twentieth of the depth. So bounded motion gives bounded memory, whatever reads it out: s is linear and
+damped, S is cut.
 
 Over a step the motion is a polynomial (tank.motion.course), its drive is taken through six points of the step, and the
 oscillators answer it exactly (tank.oscillators): one step of 5 ms remembers as ten of 0.5 ms. What S pushes at itself in a step
@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 MODES = SECOND = 20  # modes remembered, and those of them with a correction for changing gravity
+HIGHEST = 0.05
+"""Largest wave of S_n over the depth: no record with a whole surface reached it, and after break-up more made loads too large."""
 POINTS = 6
 SWEEPS = 2
 FX, GAMMA, SPIN, RATE, TILT = range(5)
@@ -86,7 +88,7 @@ class Memory:
         m: Modes = self.modes
         self.place = Place(
             tank.length, tank.gravity, tank.x, tank.centre_y, m.height, m.omega, self.oscillators.rate.imag.copy(),
-            0.5 * tank.depth / np.maximum(m.elevation, 1e-12),
+            HIGHEST * tank.depth / np.maximum(m.elevation, 1e-12),
         )  # fmt: skip
         self._steps: dict[float, Step] = {}
 

@@ -27,6 +27,7 @@ from master.errors import AeroSloshError
 from master.history import read as read_history
 from master.tank_records import LINEAR_LOADS, Drive
 
+ROOT = Path(__file__).resolve().parents[2]
 MODEL = {"is": "a double"}
 
 
@@ -102,7 +103,7 @@ def test_damaged_and_other_records_are_computed_again(tmp_path: Path) -> None:
 
 def test_goes_on_after_kill_9(tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [sys.executable, record_doubles.__file__, str(tmp_path)], env=os.environ | {"PYTHONPATH": os.getcwd()}
+        [sys.executable, record_doubles.__file__, str(tmp_path)], env=os.environ | {"PYTHONPATH": str(ROOT)}
     )
     deadline = time.monotonic() + 30.0
     while len(list(tmp_path.glob("*.nc"))) < 2 and time.monotonic() < deadline:
