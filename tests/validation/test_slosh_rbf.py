@@ -31,9 +31,10 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> study.Data:
 
 @pytest.mark.parametrize("name", ["default", "quadratic"])
 def test_free_run_while_gravity_is_far_from_vanishing(data: study.Data, name: str) -> None:
-    """Asked: 0.5 / 0.3 / 0.2 % in free run, first harmonics 0.5 % and 0.1°, work 5e-4, at D up to 0.75. Three records
-    have a bound of their own, 1 %: chirp and surge, where the solver's two grids are 0.6 and 0.7 % apart in Fx, and the force up in
-    pure pitch at D 0.7, which is measured against a floor of 0.2 % of the weight."""
+    """Asked: 0.5 / 0.3 / 0.2 % in free run, first harmonics 0.5 % and 0.1°, work 5e-4, at D up to 0.75.
+
+    Three records have a bound of their own, 1 %: chirp and surge, where the solver's two grids are 0.6 and 0.7 % apart in Fx, and
+    the force up in pure pitch at D 0.7, which is measured against a floor of 0.2 % of the weight."""
     model = study.modal(load(WEIGHTS / f"{name}.npz"), data)
     rows = [row for row in study.evaluate({name: model}, data, "test") if row["D"] <= 0.75]
     assert len(rows) >= 20
