@@ -39,17 +39,20 @@ BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 # pythonfmu 0.7 runs the script again at each instantiation, drops one reference of its globals (first line) and keeps one of the
-# class for ever: the class of the first time is taken again.
+# class for ever: the class of the first time is taken again. Scripts of several versions may share their globals.
 SCRIPT = """\
 import sys; sys.__dict__.setdefault("_fmu_pins", []).append(globals())
 from {package}.{component}.fmu import {face} as _Face
 
-if "{component}" not in globals():
+{component} = sys.__dict__.setdefault("_fmu_classes", {{}}).get("{component}_{hash}")
+if {component} is None:
 
     class {component}(_Face):
         __doc__ = _Face.__doc__
         version = "{version}"
         content_hash = "{hash}"
+
+    sys.__dict__["_fmu_classes"]["{component}_{hash}"] = {component}
 """
 
 DESCRIBE = """

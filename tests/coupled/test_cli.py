@@ -129,7 +129,7 @@ def test_a_failing_component_reaches_the_user(flutter_fmus: Path, tmp_path: Path
     [
         (["--mach", "3"], ["flow.mach = 3.0", "out of range", "remedy"]),
         (["--slosh", "water"], ["slosh.model", "available: none, frozen, ems, rbf, vof"]),
-        (["--slosh", "rbf"], ["slosh model rbf is not available yet"]),
+        (["--slosh", "rbf"], ["FMU missing: slosh_rbf.fmu", "make fmus"]),
         (["--set", "section.mass_ratio=-1"], ["section.mass_ratio", "above 0"]),
         (["--set", "flow.machh=1"], ["did you mean 'mach'"]),
         (["--bogus"], ["unrecognized arguments"]),

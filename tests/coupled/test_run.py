@@ -333,8 +333,9 @@ def test_the_step_is_the_one_asked_for_to_the_bit() -> None:
 
 
 def test_the_example(fmu: Callable[[str], Path], tmp_path: Path) -> None:
-    """cases/tank_on_springs.toml: the stand gives most of its energy away, a good part of it goes through the waves, and both swing
-    about rest, so the trim holds the water's weight and moment (heave: 1e-4 m, a hundredth of what the weight untrimmed gives)."""
+    """cases/tank_on_springs.toml: the stand gives most of its energy away, a good part of it goes through the waves, and both
+    swing about rest, so the trim holds the water's weight and moment (heave: 1e-4 m, a hundredth of what the weight untrimmed
+    gives)."""
     fmus = tmp_path / "fmus"
     fmus.mkdir()
     for name in ("structure", "slosh_ems"):
