@@ -11,14 +11,19 @@ is refused (`check`).
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..kit.compiled import jit
 from .memory import Array
-from .network import NetworkError
+from .network import FORMAT, NetworkError
+
+KIND = "feedback"
+ARRAYS = ("shift", "scale", "output_shift", "output_scale", "linear", "centres", "weights")
 
 INPUTS = {"motion": 2, "drive": 4}
 """Columns of u: (h/l, alpha), or (f_x/g, gamma, (l/2)alpha''/g, (l/2)alpha'²/g)."""
@@ -86,6 +91,31 @@ class Feedback:
                 f"network '{self.name}': its feedback grows by {self.radius():.4f} a step: loads would have no bound. Remedy: "
                 "train it on more or longer records, or with more ridge"
             )
+
+
+def save(net: Feedback, path: Path) -> None:
+    """Write a numpy archive (no pickles), whole or not at all."""
+    text = {n: getattr(net, n) for n in ("name", "inputs", "delays", "step", "spread", "shape", "room", "about")}
+    data = json.dumps({"format": FORMAT, "kind": KIND, **text}, sort_keys=True).encode()
+    part = path.with_name(f".{path.name}.part")
+    with part.open("wb") as file:
+        np.savez_compressed(file, text=np.frombuffer(data, np.uint8), **{n: getattr(net, n) for n in ARRAYS})
+    part.replace(path)
+
+
+def load(path: Path) -> Feedback:
+    """Read a network that `save` wrote. Raises NetworkError for another file, and what `check` raises."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        text = json.loads(arrays.pop("text").tobytes())
+        if (text.pop("format"), text.pop("kind")) != (FORMAT, KIND):
+            raise ValueError("another kind or format")
+        net = Feedback(**{**text, "delays": tuple(text["delays"])}, **arrays)
+    except Exception as error:  # numpy, json and zipfile raise a dozen kinds
+        raise NetworkError(f"{path.name} is no network with feedback: {error}. Remedy: give a file that `train` wrote") from None
+    net.check()
+    return net
 
 
 def columns(inputs: str, drives: Array, motions: Array, length: float) -> Array:

@@ -13,9 +13,11 @@ from ..kit.variables import output, parameter
 from ..tank.frozen import Load, constants, residual_load
 from ..tank.liquid import Tank
 from ..tank.motion import SectionMotion
+from .feedback import Feedback
+from .feedback_tank import in_tank, read
 from .memory import Array
-from .network import Network, NetworkError, load, untrained
-from .surrogate import Answer, State, Surrogate
+from .network import Network, NetworkError, untrained
+from .surrogate import Answer, State
 
 INPUTS = (*MOTION, *SURGE)
 EQUATIONS = {"ems": False, "bilinear": True}
@@ -56,7 +58,7 @@ class SloshRbf(Slave):
             self.liquid_density, self.gravity,
         )  # fmt: skip
         try:
-            self.model = Surrogate(self._network(), self.tank, self.liquid_viscosity, self.gas_density)
+            self.model = in_tank(self._network(), self.tank, self.liquid_viscosity, self.gas_density)
         except NetworkError as error:
             raise StepError(str(error)) from error
 
@@ -74,28 +76,32 @@ class SloshRbf(Slave):
     def step(self, time: float, step_size: float) -> None:
         """Advance along the course between the motions at both ends of the step."""
         end = self._motion()
-        self.state = self.model.advance(self.state, self.motion, end, step_size)
+        try:
+            self.state = self.model.advance(self.state, self.motion, end, step_size)
+        except NetworkError as error:
+            raise StepError(str(error)) from error
         self.motion = end
         self._publish()
 
     def save(self) -> dict[str, Any]:
-        """Memory, waves of the gate, answer, motion, largest validity."""
+        """Memory, waves of the gate, answer, delayed values, motion, largest validity."""
         state = self.state
-        return {"w": state.w, "waves": state.waves, "answer": list(state.answer), "motion": self.motion, "worst": self.worst}
+        kept = {"w": state.w, "waves": state.waves, "answer": list(state.answer), "lags": state.lags}
+        return kept | {"motion": self.motion, "worst": self.worst}
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take them back."""
-        self.state = State(snapshot["w"], snapshot["waves"], Answer(*snapshot["answer"]))
+        self.state = State(snapshot["w"], snapshot["waves"], Answer(*snapshot["answer"]), snapshot["lags"])
         self.motion, self.worst = snapshot["motion"], snapshot["worst"]
 
-    def _network(self) -> Network:
+    def _network(self) -> Network | Feedback:
         if self.network in EQUATIONS:
             return untrained(self.network, EQUATIONS[self.network])
         path = self.folder / "weights" / f"{self.network}.npz"
         if not path.is_file():
             known = ", ".join([*sorted(p.stem for p in path.parent.glob("*.npz")), *EQUATIONS])
             raise StepError(f"there is no network '{self.network}'. Remedy: one of {known}")
-        return load(path)
+        return read(path)
 
     def _motion(self) -> Array:
         return np.array([getattr(self, name) for name in INPUTS])

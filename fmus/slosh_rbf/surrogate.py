@@ -15,6 +15,7 @@ from .memory import GAMMA, MODES, Array, Complex, Memory, Place, Step, drive, re
 from .network import Network, NetworkError, Weights, read_out
 from .readout import EVEN, ODD, SPACE, features
 
+NO_LAGS: Array = np.zeros(0)
 SAME_SHAPE = 0.02
 """Relative difference of depth over length up to which a network holds: first-mode frequencies then differ by 1 %."""
 
@@ -42,6 +43,7 @@ class State(NamedTuple):
     w: Complex
     waves: Array
     answer: Answer
+    lags: Array = NO_LAGS  # earlier motions and loads, of a network with output feedback
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,22 @@ class Record:
     loads: Array
 
 
+def fits(name: str, known_shape: float, known_room: float, tank: Tank) -> None:
+    """Raise NetworkError for a tank that is no scale model of the one that network `name` was trained on (0: any will do)."""
+    shape, room = tank.depth / tank.length, tank.height / tank.length
+    if known_shape and abs(shape / known_shape - 1.0) > SAME_SHAPE:
+        raise NetworkError(
+            f"network '{name}' knows liquid of depth/length {known_shape:.4g}, this tank has {shape:.4g} "
+            f"(fill_level {tank.fill_level:g}, tank_height {tank.height:g} m, tank_length {tank.length:g} m). Remedy: a tank "
+            "of the same shape at any size, the network 'bilinear' or 'ems', slosh_vof, or a network trained for it"
+        )
+    if known_room and room < (1.0 - SAME_SHAPE) * known_room:
+        raise NetworkError(
+            f"network '{name}' was trained under a roof at {known_room:.4g} of the tank's length, here it is at "
+            f"{room:.4g}: waves would reach it earlier. Remedy: a tank as high, slosh_vof, or a network trained for it"
+        )
+
+
 class Surrogate:
     """`network` in `tank`, with the viscosity [m2/s] of the liquid and the density [kg/m3] of the gas.
 
@@ -61,18 +79,7 @@ class Surrogate:
     and load are taken at the liquid."""
 
     def __init__(self, network: Network, tank: Tank, viscosity: float, gas_density: float) -> None:
-        shape, room = tank.depth / tank.length, tank.height / tank.length
-        if network.shape and abs(shape / network.shape - 1.0) > SAME_SHAPE:
-            raise NetworkError(
-                f"network '{network.name}' knows liquid of depth/length {network.shape:.4g}, this tank has {shape:.4g} "
-                f"(fill_level {tank.fill_level:g}, tank_height {tank.height:g} m, tank_length {tank.length:g} m). Remedy: a tank "
-                "of the same shape at any size, the network 'bilinear' or 'ems', slosh_vof, or a network trained for it"
-            )
-        if network.room and room < (1.0 - SAME_SHAPE) * network.room:
-            raise NetworkError(
-                f"network '{network.name}' was trained under a roof at {network.room:.4g} of the tank's length, here it is at "
-                f"{room:.4g}: waves would reach it earlier. Remedy: a tank as high, slosh_vof, or a network trained for it"
-            )
+        fits(network.name, network.shape, network.room, tank)
         self.network, self.tank = network, tank
         self.memory = Memory(tank, viscosity)
         self.body = body(self.memory, gas_density)

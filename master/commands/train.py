@@ -46,7 +46,7 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Records, networks, tests, report."""
-    from fmus.slosh_rbf import dataset, study  # what a user of the other commands need not load
+    from fmus.slosh_rbf import dataset, feedback, study  # what a user of the other commands need not load
     from fmus.slosh_rbf.network import untrained
 
     case = training_case.load(options.case, [*(QUICK if options.quick else ()), *options.set])
@@ -88,7 +88,8 @@ def execute(options: argparse.Namespace) -> int:
             models["rbf" if place == 0 else f"rbf, seed {seed}"] = study.modal(network, data)
             reports.append(report)
         for name, centres in (("arx", 0), ("rbf with output feedback", t.feedback_centres)):
-            models[name] = study.with_feedback(data, t.largest_D, centres)[1]
+            net, models[name] = study.with_feedback(data, t.largest_D, centres)
+            feedback.save(net, folder.path / f"{net.name}.npz")
         rows = {split: study.evaluate(models, data, split) for split in ("test", "breakup")}
         folder.keep()
         result = {
