@@ -110,6 +110,8 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Assembly:
     """Read a system file and apply `table.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
     data, lines = settings.read(path, "system file", "cases/tank_on_springs.toml")
     assembly = Assembly(path.stem, path.resolve().parent, path, lines)
+    if "flow" in data or "section" in data:
+        raise AeroSloshError("This is a flutter case, not a system file", str(path), f"aeroslosh point {path}")
     given = data.pop("components", {})
     settings.fill(assembly, {**TABLES, "components": None}, data, lines, path)
     if not isinstance(given, dict) or not given:

@@ -229,6 +229,8 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Case:
     """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
     data, lines = settings.read(path, "case file", "cases/isogai_a.toml")
     case = Case(name=path.stem)
+    if "components" in data:
+        raise AeroSloshError("This is a system file, not a case", str(path), f"aeroslosh run {path}")
     settings.fill(case, TABLES, data, lines, path)
     beside = path.parent / case.flow.airfoil
     if beside.is_file():  # a coordinate file is named relative to the case, wherever the command runs

@@ -132,6 +132,9 @@ def check(checkpoint: Checkpoint, case: Mapping[str, Any], fmus: Mapping[str, st
 
     Raises AeroSloshError naming what differs."""
     before = checkpoint.about["case"]
+    if ("flow.mach" in before) is not ("flow.mach" in case):
+        kind = "a flutter point" if "flow.mach" in before else "a system file's run"
+        raise AeroSloshError(f"The checkpoint is of {kind}", str(checkpoint.path), "restart it with the command that wrote it")
     changed = [k for k in sorted({*before, *case}) if before.get(k) != case.get(k) and k not in free]
     if changed:
         lines = ", ".join(f"{k}: {before.get(k)!r} then, {case.get(k)!r} now" for k in changed[:5])

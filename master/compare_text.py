@@ -71,8 +71,9 @@ def details(found: Comparison, everything: bool = False) -> str:
         rows = [_channel(c, h.axis) for c in channels if everything or c.largest > 0.0]
         rows += [f"{name}: in one of them alone" for name in h.missing]
         blocks.append(_block(f"History {h.name}{f' ({h.how})' if h.how else ''}", rows, everything))
-    if len(histories) > FEW and not everything:
-        blocks.append(f"\nand {len(histories) - FEW} histories that differ less (--all)")
+    less = sum(any(c.largest > 0.0 for c in h.channels) or bool(h.missing) for h in histories[FEW:])
+    if less and not everything:
+        blocks.append(f"\nand {less} histories that differ less (--all)")
     return "\n".join(block for block in blocks if block)
 
 

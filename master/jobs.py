@@ -22,6 +22,7 @@ from master.point_file import Record
 from master.record import provenance
 from master.rig import FlutterRig
 from master.similarity import scales
+from master.slosh import FMU
 from master.verdict import Verdict
 
 RIGS = 2  # open rigs a worker keeps
@@ -156,7 +157,11 @@ def failed(job: Job, cause: str, worker: str) -> Product:
 
 def finished(record: Record, job: Job, marches: list[March]) -> Product:
     """A product with the provenance of `job`."""
-    about = provenance({name: digest for name, (_, digest) in job.files.items()}) | {"command": job.command}
+    digests = {name: digest for name, (_, digest) in job.files.items()}
+    liquid = FMU.get(job.case.slosh.model, "")
+    if liquid in digests:  # by component, as the other commands have it
+        digests["slosh"] = digests.pop(liquid)
+    about = provenance(digests) | {"command": job.command}
     return Product(record, point_file.pack(record, marches, about))
 
 

@@ -181,7 +181,7 @@ def _keys(kind: str, overrides: Mapping[str, Any], where: str) -> dict[str, Any]
 
 def _files(case: Case, fmu_folder: Path, digests: dict[Path, str]) -> dict[str, tuple[Path, str]]:
     """The files that a point is computed from, with their hashes (kept in `digests`)."""
-    files = {name: path.resolve() for name, path in find_fmus(fmu_folder, case.slosh.model).items()}
+    files = {name: path.resolve() for name, path in find_fmus(fmu_folder, case.slosh.model, case.slosh.predictor).items()}
     if Path(case.flow.airfoil).is_file():
         files["airfoil"] = Path(case.flow.airfoil).resolve()
     for path in files.values():

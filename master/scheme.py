@@ -21,7 +21,13 @@ KEPT = 20  # unconverged steps that are listed one by one
 
 
 def make(settings: Coupling) -> Scheme:
-    """The scheme of the table [coupling]."""
+    """The scheme of the table [coupling]. Raises AeroSloshError for settings that it has no use for."""
+    if settings.scheme != Implicit.name and (settings.tolerance_of or settings.absolute_tolerance_of):
+        raise AeroSloshError(
+            f'Tolerances of single quantities have no effect with coupling.scheme = "{settings.scheme}"',
+            "coupling.tolerance_of, coupling.absolute_tolerance_of",
+            'leave them out, or take coupling.scheme = "implicit"',
+        )
     if settings.scheme == Jacobi.name:
         return Jacobi(settings.predictor_order)
     if settings.scheme == GaussSeidel.name:

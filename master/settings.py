@@ -134,9 +134,12 @@ def dump_table(content: Any) -> str:
 def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
     """`value` as the type `hint`, inside the field's range; raises with the remedy."""
     if typing.get_origin(hint) is list:
-        kind, example = ("texts", '["a", "b"]') if str in typing.get_args(hint) else ("numbers", "[0.8, 0.85]")
+        words = {str: ("texts", '["a", "b"]'), int: ("whole numbers", "[20, 40]"), float: ("numbers", "[0.8, 0.85]")}
+        kind, example = words[typing.get_args(hint)[0]]
         if not isinstance(value, list) or not (value or rule["empty"]):
-            raise AeroSloshError(f"{name} is a list of {kind}, not {value!r}", where, f"write {name.split('.')[-1]} = {example}")
+            raise AeroSloshError(
+                f"{name} is a list of {kind}, at least one, not {value!r}", where, f"write {name.split('.')[-1]} = {example}"
+            )
         return [_checked(v, typing.get_args(hint)[0], rule, name, where) for v in value]
     if hint is Any:
         return value

@@ -55,6 +55,7 @@ def simulate(
 
     Raises AeroSloshError for settings that do not fit the system; a failing step is an outcome."""
     begin = clock.perf_counter(), clock.process_time()
+    before = {c.name: c.cpu for c in system.everyone}
     run, steps, dt = assembly.run, assembly.steps, assembly.dt
     if checkpoint is not None:
         _check_restart(checkpoint, assembly)
@@ -109,7 +110,7 @@ def simulate(
         outcome,
         statistics.failed == 0 and outcome == "completed",
         statistics.data(),
-        {c.name: c.cpu for c in system.everyone},
+        {c.name: c.cpu - before[c.name] for c in system.everyone},
         clock.perf_counter() - begin[0],
         clock.process_time() - begin[1],
         failure,

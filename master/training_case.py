@@ -11,7 +11,23 @@ from typing import Any
 
 from master import settings
 from master.case import Slosh
+from master.errors import AeroSloshError
 from master.settings import key, rule
+
+RESERVED = ("quadratic", "arx", "rbf_feedback", "ems", "bilinear")  # the other networks of a training, and the equations
+IDLE = (
+    "model",
+    "predictor",
+    "split",
+    "tank_x",
+    "tank_y",
+    "modes",
+    "damping_ratio",
+    "parametric",
+    "network",
+    "cells_x",
+    "cells_y",
+)
 
 
 @dataclass
@@ -50,6 +66,18 @@ def load(path: Path, overrides: Sequence[str] = ()) -> TrainingCase:
     settings.fill(case, TABLES, data, lines, path)
     for override in overrides:
         settings.override(case, TABLES, override)
+    if case.name in RESERVED:
+        raise AeroSloshError(
+            f"A network cannot be called '{case.name}'", str(path), f"another file name than {', '.join(RESERVED)}"
+        )
+    usual = Slosh()
+    idle = [name for name in IDLE if getattr(case.slosh, name) != getattr(usual, name)]
+    if idle:
+        raise AeroSloshError(
+            f"slosh.{idle[0]} has no effect on a training",
+            str(path),
+            "leave it out: records are made on the axis, on training.cells_*",
+        )
     return case
 
 

@@ -52,6 +52,11 @@ def gaussians(space: Array, basis: Basis) -> tuple[Array, Array]:
     return np.exp(sharp * here), np.exp(sharp * there)
 
 
+def at_rest(basis: Basis) -> Array:
+    """phi and its mirror image together, at rest. Shape: (m,)."""
+    return 2.0 * np.exp(-0.5 * basis.sharpness**2 * ((basis.centres / basis.scales) ** 2).sum(axis=1))
+
+
 def ridge(X: Array, Y: Array, weight: Array, amounts: Array) -> Array:
     """Weights (features, outputs) of the ridge regression of Y on X.
 

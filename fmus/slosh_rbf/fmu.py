@@ -97,11 +97,10 @@ class SloshRbf(Slave):
     def _network(self) -> Network | Feedback:
         if self.network in EQUATIONS:
             return untrained(self.network, EQUATIONS[self.network])
-        path = self.folder / "weights" / f"{self.network}.npz"
-        if not path.is_file():
-            known = ", ".join([*sorted(p.stem for p in path.parent.glob("*.npz")), *EQUATIONS])
-            raise StepError(f"there is no network '{self.network}'. Remedy: one of {known}")
-        return read(path)
+        known = {path.stem: path for path in sorted((self.folder / "weights").glob("*.npz"))}
+        if self.network not in known:
+            raise StepError(f"there is no network '{self.network}'. Remedy: one of {', '.join([*known, *EQUATIONS])}")
+        return read(known[self.network])
 
     def _motion(self) -> Array:
         return np.array([getattr(self, name) for name in INPUTS])

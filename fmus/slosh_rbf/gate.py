@@ -82,6 +82,9 @@ def grow(state: Array, before: Array, after: Array, duration: float, waves: Wave
             a, b = fade * (cos * a + sin_over * b), fade * (sin_times * a + cos * b)
             c, d = fade * (cos * c + sin_over * d), fade * (sin_times * c + cos * d)
         size = math.sqrt(a * a + b * b + c * c + d * d)
+        if not size < 1e300:  # gravity beyond all bounds: the wave is beyond telling
+            state[j, 4] += 700.0
+            a, b, c, d, size = 0.5, 0.5, 0.5, 0.5, 1.0
         if size > 1e6 or size < 1e-6:  # what is beyond goes into the logarithm
             state[j, 4] += math.log(size)
             a, b, c, d = a / size, b / size, c / size, d / size

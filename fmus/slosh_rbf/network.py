@@ -39,7 +39,8 @@ class Weights(NamedTuple):
     """What the kernels need of a network.
 
     odd (ODD, 2): along, moment; even (EVEN,): up; centres (m, SPACE), sharpness (m,): inverse spreads, inverse_scales (SPACE,);
-    turning (m, 2), lifting (m,): weights of the Gaussians; limits (3,): largest corrections."""
+    turning (m, 2), lifting (m,): weights of the Gaussians, still (m,): their pairs' values at rest; limits (3,): largest
+    corrections."""
 
     bilinear: bool
     odd: Array
@@ -49,6 +50,7 @@ class Weights(NamedTuple):
     inverse_scales: Array
     turning: Array
     lifting: Array
+    still: Array
     limits: Array
 
 
@@ -69,7 +71,7 @@ class Network:
         """The same tail alone."""
         w = self.weights
         none = w._replace(
-            centres=np.zeros((0, SPACE)), sharpness=np.zeros(0), turning=np.zeros((0, 2)), lifting=np.zeros(0)
+            centres=np.zeros((0, SPACE)), sharpness=np.zeros(0), turning=np.zeros((0, 2)), lifting=np.zeros(0), still=np.zeros(0)
         )  # fmt: skip
         return replace(self, name=name, weights=none)
 
@@ -89,7 +91,7 @@ def untrained(name: str, bilinear: bool) -> Network:
     """The base alone: "ems" (linear) or "bilinear"; it may be used anywhere."""
     weights = Weights(
         bilinear, np.zeros((ODD, 2)), np.zeros(EVEN), np.zeros((0, SPACE)), np.zeros(0), np.ones(SPACE), np.zeros((0, 2)),
-        np.zeros(0), np.zeros(3),
+        np.zeros(0), np.zeros(0), np.zeros(3),
     )  # fmt: skip
     return Network(name, weights, np.full(SPACE, np.inf), 0.0, 0.0, {"kind": "equations alone"})
 
@@ -102,18 +104,24 @@ def load(path: Path) -> Network:
         text = json.loads(arrays.pop("text").tobytes())
         reach = arrays.pop("reach")
         weights = Weights(bool(arrays.pop("bilinear")), **arrays)
+        m = len(weights.sharpness)
+        if not isinstance(text, dict):
+            raise ValueError("its text is no table")
     except OSError as error:
         raise NetworkError(f"the network {path.name} cannot be read: {error}. Remedy: give a file that `train` wrote") from None
     except Exception as error:  # numpy and zipfile raise a dozen kinds
         raise NetworkError(f"{path.name} is no network: {error}. Remedy: give a file that `train` wrote") from None
     if text.get("format") != FORMAT:
         raise NetworkError(f"{path.name} has format {text.get('format')}, not {FORMAT}. Remedy: train it again")
-    m = len(weights.sharpness)
-    wanted = ((ODD, 2), (EVEN,), (m, SPACE), (m,), (SPACE,), (m, 2), (m,), (3,))
+    wanted = ((ODD, 2), (EVEN,), (m, SPACE), (m,), (SPACE,), (m, 2), (m,), (m,), (3,))
     for name, array, shape in zip(weights._fields[1:], weights[1:], wanted, strict=True):
         if array.shape != shape or not np.isfinite(array).all():
             raise NetworkError(f"{path.name}: {name} has shape {array.shape} or is not finite. Remedy: train it again")
-    return Network(text["name"], weights, reach, text["shape"], text["room"], text["about"])
+    depth, room = (float(v) if isinstance(v := text.get(n), float) else 0.0 for n in ("shape", "room"))
+    sound = reach.shape == (SPACE,) and bool(np.all(reach > 0.0)) and bool(np.all(weights.limits >= 0.0))
+    if not sound or not 0.0 < depth < np.inf or not 0.0 < room < np.inf:
+        raise NetworkError(f"{path.name}: reach, limits, shape or room make no sense. Remedy: train it again")
+    return Network(str(text.get("name", path.stem)), weights, reach, depth, room, dict(text.get("about", {})))
 
 
 @jit
@@ -135,7 +143,7 @@ def correction(odd: Array, even: Array, space: Array, net: Weights, out: Array) 
         here, there = np.exp(sharp * here), np.exp(sharp * there)
         along += net.turning[j, 0] * (here - there)
         moment += net.turning[j, 1] * (here - there)
-        up += net.lifting[j] * (here + there)
+        up += net.lifting[j] * (here + there - net.still[j])  # nothing at rest
     out[0] = min(max(along, -net.limits[0]), net.limits[0])
     out[1] = min(max(up, -net.limits[1]), net.limits[1])
     out[2] = min(max(moment, -net.limits[2]), net.limits[2])

@@ -12,7 +12,7 @@ Where a tank sits in a wing matters to its motion, not to its liquid: records ar
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -29,6 +29,7 @@ STEP, LONG = 2e-3, 4.0
 SHORT = 2.0
 """Length of sinusoids [s]: where gamma goes beyond 0.2, waves at half their frequency (Faraday; parametric resonance) have grown
 to breaking by 3 s, and what is left to compare is chaos."""
+NOTHING: Mapping[str, Any] = {}
 CELLS, FINE = (100, 30), (200, 60)
 ARMS = (0.0, 0.3, 1.8)
 """Distances of the tank aft of the axis in released motions [m]: pitch alone, some plunge by pitch, the tank of cases/paper_s."""
@@ -37,24 +38,27 @@ PLUNGE, PITCH, BOTH, SURGE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 1.0, 0.0), 
 """Largest accelerations of plunge, pitch and surge, relative to each other (`intensity.balanced`)."""
 
 
-def settings(tank: Tank, cells: tuple[int, int] | None = CELLS, gas_density: float = 1.2) -> dict[str, Any]:
-    """Parameters of a slosh FMU for a tank; cells None: for a model without a grid."""
+def settings(
+    tank: Tank, cells: tuple[int, int] | None = CELLS, gas_density: float = 1.2, more: Mapping[str, Any] = NOTHING
+) -> dict[str, Any]:
+    """Parameters of a slosh FMU for a tank; cells None: for a model without a grid; more: further ones."""
     values: dict[str, Any] = {
         "tank_length": tank.length, "tank_height": tank.height, "tank_width": tank.width, "fill_level": tank.fill_level,
         "tank_x": tank.x, "tank_y": tank.y, "liquid_density": tank.density, "gas_density": gas_density,
         "liquid_viscosity": 1e-6, "gas_viscosity": 1.48e-5, "gravity": tank.gravity,
     }  # fmt: skip
-    return values if cells is None else {**values, "cells_x": cells[0], "cells_y": cells[1]}
+    grid = {} if cells is None else {"cells_x": cells[0], "cells_y": cells[1]}
+    return {**values, **grid, **more}
 
 
 def standard(
     tank: Tank = TANK, step: float = STEP, cells: tuple[int, int] = CELLS, fine: tuple[int, int] | None = FINE,
-    gas_density: float = 1.2,
+    gas_density: float = 1.2, more: Mapping[str, Any] = NOTHING,
 ) -> list[Planned]:  # fmt: skip
     """The plan of the module's text for a tank, sampled every `step` [s]. fine: cells of the second grid, None for one grid."""
     tank = replace(tank, x=0.0, y=0.0)
     times = instants(LONG, step)
-    coarse = settings(tank, cells, gas_density)
+    coarse = settings(tank, cells, gas_density, more)
     plan = [Planned(m, coarse, "train") for m in _noises(tank, times, "train", 1000, (8, 8, 16, 6, 8, 6, 8), (0.05, 2.0))]
     plan += [
         Planned(m, coarse, "validation") for m in _noises(tank, times, "validation", 2000, (1, 1, 3, 1, 1, 1, 2), (0.08, 1.6))
@@ -63,7 +67,7 @@ def standard(
         for motion in motions:
             plan.append(Planned(motion, coarse, split))
             if fine:
-                plan.append(Planned(replace(motion, name=f"{motion.name}_fine"), settings(tank, fine, gas_density), split))
+                plan.append(Planned(replace(motion, name=f"{motion.name}_fine"), settings(tank, fine, gas_density, more), split))
     return plan
 
 

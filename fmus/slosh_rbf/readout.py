@@ -15,7 +15,7 @@ from .memory import FX, GAMMA, MODES, RATE, SECOND, SPIN, Array, Complex
 
 LINEAR = 9  # f_x/g, (l/2)alpha''/g, forces of modes 1 to 4, of all the others, velocities of modes 1 and 2
 ODD = 2 * LINEAR + 6  # linear, gamma times linear, forces of S_1 to S_3, (l/2)alpha'²/g times the first three
-EVEN = 3 + LINEAR * (LINEAR + 1) // 2  # 1, gamma, (l/2)alpha'²/g, products of two linear ones
+EVEN = 2 + LINEAR * (LINEAR + 1) // 2  # gamma, (l/2)alpha'²/g, products of two linear ones; nothing of them at rest
 SPACE = 9  # coordinates of the radial basis functions
 MIRROR = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, -1.0, -1.0, -1.0, 1.0])
 """Signs of the coordinates in the mirror: f_x, alpha'', gamma, modes 1, 2, all others, velocity of mode 1, S_1, alpha'²."""
@@ -40,8 +40,8 @@ def features(w: Complex, rows: Array, body: Body, odd: Array, even: Array, space
     for n in range(3):
         odd[2 * LINEAR + n] = body.spring[n] * w[MODES + n].imag * body.place[n]
         odd[2 * LINEAR + 3 + n] = square * odd[n]
-    even[0], even[1], even[2] = 1.0, gamma, square
-    k = 3
+    even[0], even[1] = gamma, square
+    k = 2
     for i in range(LINEAR):
         for j in range(i, LINEAR):
             even[k] = odd[i] * odd[j]

@@ -75,6 +75,10 @@ def train(
     shape, room = data.tank.depth / data.tank.length, data.tank.height / data.tank.length
     seen, begin = list(tables(data, "train", most).values()), clock.process_time()
     checks = [r for n, r in data.records["validation"].items() if data.unevenness[n] <= most]
+    if not seen or not checks:
+        raise dataset.DatasetError(
+            f"{len(seen)} records to train on and {len(checks)} to choose by have D up to {most:g}\n  remedy: a larger largest_D"
+        )
 
     def network(weights: Weights, name: str, more: Mapping[str, Any]) -> Network:
         return training.as_network(name, weights, seen, shape, room, {**(about or {}), **more})
@@ -97,7 +101,9 @@ def modal(network: Network, data: Data) -> Model:
 
 
 def with_feedback(data: Data, most: float, centres: int = 0, seed: int = 0) -> tuple[Feedback, Model]:
-    """A linear network (or one of Gaussians) with output feedback on the drive that the liquid feels, in free run."""
+    """A linear network (or one of Gaussians) with output feedback on the drive that the liquid feels, in free run.
+
+    Raises NetworkError where its feedback grows."""
     base = Surrogate(untrained("ems", False), data.tank, data.viscosity, data.gas_density)
 
     def pair(record: Record) -> tuple[Array, Array]:
@@ -108,6 +114,7 @@ def with_feedback(data: Data, most: float, centres: int = 0, seed: int = 0) -> t
     shape, room = data.tank.depth / data.tank.length, data.tank.height / data.tank.length
     name = "rbf_feedback" if centres else "arx"
     net = fit(name, "drive", DELAYS, step, seen, shape, room, centres, seed=seed)
+    net.check()
 
     def model(record: Record) -> Array:
         u, y = pair(record)

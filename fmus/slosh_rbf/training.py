@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .basis import Basis, Samples, gaussians, k_means, ridge
+from .basis import Basis, Samples, at_rest, gaussians, k_means, ridge
 from .network import Network, Weights
 from .readout import EVEN, MIRROR, ODD, SPACE
 from .surrogate import Table
@@ -62,7 +62,7 @@ def solve(samples: Samples, basis: Basis | None, amount: float) -> Weights:
     odd, even = samples.odd, samples.even
     if basis is not None:
         phi, image = gaussians(samples.space, basis)
-        odd, even = np.hstack([odd, phi - image]), np.hstack([even, phi + image])
+        odd, even = np.hstack([odd, phi - image]), np.hstack([even, phi + image - at_rest(basis)])
     # the tail is free, the Gaussians pay for what they add
     turning = ridge(odd, samples.rest[:, [0, 2]], samples.turning, np.repeat([TAIL, amount], [ODD, m]))
     lifting = ridge(even, samples.rest[:, [1]], samples.lifting, np.repeat([TAIL, amount], [EVEN, m]))[:, 0]
@@ -72,7 +72,7 @@ def solve(samples: Samples, basis: Basis | None, amount: float) -> Weights:
     b = basis or none
     return Weights(
         True, np.ascontiguousarray(turning[:ODD]), lifting[:EVEN].copy(), np.ascontiguousarray(b.centres), b.sharpness.copy(),
-        1.0 / b.scales, np.ascontiguousarray(turning[ODD:]), lifting[EVEN : EVEN + m].copy(), limits,
+        1.0 / b.scales, np.ascontiguousarray(turning[ODD:]), lifting[EVEN : EVEN + m].copy(), at_rest(b), limits,
     )  # fmt: skip
 
 

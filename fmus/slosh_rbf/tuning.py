@@ -47,7 +47,8 @@ def tune(samples: Samples, basis: Basis, amount: float, steps: int, seed: int, s
         phi = (sharp * torch.cdist(z, c).pow(2)).exp()
         image = (sharp * torch.cdist(z * mirror, c).pow(2)).exp()
         loss = left(torch.hstack([odd, phi - image]), rest[:, [0, 2]], turning)
-        loss = loss + left(torch.hstack([even, phi + image]), rest[:, [1]], lifting)
+        still = 2.0 * (sharp * c.pow(2).sum(1)).exp()
+        loss = loss + left(torch.hstack([even, phi + image - still]), rest[:, [1]], lifting)
         loss.backward()
         optimiser.step()
         if step % 20 == 0:

@@ -81,5 +81,10 @@ def _summary(assembly: Assembly, data: dict[str, Any]) -> str:
     lines = [f"{assembly.name}: {data['outcome']}", f"  end          t = {data['end_time']:g} s, {scheme['steps']} steps"]
     if scheme["passes_mean"] is not None and scheme["passes_max"] > 1:
         lines.append(f"  coupling     {scheme['passes_mean']:.2f} passes a step, {scheme['passes_max']} at most")
+    for name, value in data["last"].items():
+        if name.endswith(".validity") and (value is not None and value > 1.0):
+            lines.append(f"  note: {name.removesuffix('.validity')} says that it does not hold (validity {value:.3g}, edge 1)")
+    if assembly.dt != assembly.run.step:
+        lines.append(f"  note: steps of {assembly.dt:.6g} s: the run holds no whole number of run.step = {assembly.run.step:g} s")
     lines.append(f"  cost         {cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU ({shares})")
     return "\n".join(lines)

@@ -122,6 +122,8 @@ def _case(options: argparse.Namespace) -> tuple[Case, list[Parameter]]:
         raise AeroSloshError(f"--{flags[0]} and --{flags[1]} together", "command line", "a sweep has one mode: take one of them")
     for name in ("samples", "seed"):
         if getattr(options, name) is not None:
+            if not options.hypercube and case.sweep.mode != "latin-hypercube":
+                raise AeroSloshError(f"--{name} has no effect on a {case.sweep.mode}", "command line", "--hypercube KEY=LOW:HIGH")
             cases.apply_override(case, f"sweep.{name}={getattr(options, name)}")
     if not flags:
         return case, from_case(case, options.case)

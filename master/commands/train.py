@@ -47,7 +47,7 @@ def register(commands: Any) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Records, networks, tests, report."""
     from fmus.slosh_rbf import dataset, feedback, study  # what a user of the other commands need not load
-    from fmus.slosh_rbf.network import untrained
+    from fmus.slosh_rbf.network import NetworkError, untrained
 
     case = training_case.load(options.case, [*(QUICK if options.quick else ()), *options.set])
     if case.training.tuning and not _has_torch():
@@ -72,15 +72,18 @@ def execute(options: argparse.Namespace) -> int:
             what, _, rest = str(error).partition("\n")
             raise AeroSloshError(what, rest.strip(), "", ExitCode.COMPONENT) from None
         source = provenance({"slosh_vof": tank_records.Drive.of(options.fmus / "slosh_vof.fmu").sha256})
-        about = {**source, "command": f"aeroslosh train {options.case}", "tank": dataclasses.asdict(data.tank)}
+        about = {**source, "tank": dataclasses.asdict(data.tank)}
         models = {
             "ems": study.modal(untrained("ems", False), data),
             "bilinear": study.modal(untrained("bilinear", True), data),
         }
-        reports = []
+        reports: list[dict[str, Any]] = []
         for place, seed in enumerate(t.seeds):
             say(f"seed {seed}")
-            network, tail, report = study.train(data, _settings(case, seed), t.largest_D, say, about)
+            try:
+                network, tail, report = study.train(data, _settings(case, seed), t.largest_D, say, about)
+            except dataset.DatasetError as error:
+                raise AeroSloshError(str(error).split("\n")[0], str(options.case), "raise training.largest_D") from None
             if place == 0:
                 models["quadratic"] = study.modal(tail, data)
                 dataclasses.replace(network, name=case.name).save(folder.path / f"{case.name}.npz")
@@ -88,7 +91,11 @@ def execute(options: argparse.Namespace) -> int:
             models["rbf" if place == 0 else f"rbf, seed {seed}"] = study.modal(network, data)
             reports.append(report)
         for name, centres in (("arx", 0), ("rbf with output feedback", t.feedback_centres)):
-            net, models[name] = study.with_feedback(data, t.largest_D, centres)
+            try:
+                net, models[name] = study.with_feedback(data, t.largest_D, centres)
+            except NetworkError as error:  # a feedback that grows: an outcome of its records
+                say(f"  {error}")
+                continue
             feedback.save(net, folder.path / f"{net.name}.npz")
         rows = {split: study.evaluate(models, data, split) for split in ("test", "breakup")}
         folder.keep()
@@ -132,7 +139,9 @@ def _records(case: TrainingCase, options: argparse.Namespace, folder: Path, say:
         if now.done % 10 == 0 or now.done == now.total:
             say(f"  records {now.done}/{now.total}, {now.left:.0f} s left")
 
-    planned = plan.standard(tank, t.step, cells, fine, s.gas_density)
+    fluids = {"liquid_viscosity": s.liquid_viscosity, "gas_viscosity": s.gas_viscosity}
+    fluids |= {n: v for n in ("wall_slip", "surface_tension") if (v := getattr(s, n)) != "auto"}
+    planned = plan.standard(tank, t.step, cells, fine, s.gas_density, fluids)
     paths = dataset.generate(planned, folder, drive, drive.model, options.workers, told, say)
     found = [dataset.read(path) for path in paths]
     return found, sum(float(_cpu(r.attributes)) for r in found)

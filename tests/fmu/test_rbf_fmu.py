@@ -74,7 +74,8 @@ def test_rollback_and_restart_in_a_new_process_are_exact_to_the_bit(fmu: Fmu, ho
         ({"tank_length": 1.0}, ["depth/length"]),
         ({"tank_height": 0.1, "fill_level": 0.75}, ["roof"]),
         ({"fill_level": 1.2}, ["'fill_level' = 1.2", "at most 1.0"]),
-        ({"network": "../default"}, ["no network"]),
+        ({"network": "../weights/default"}, ["no network"]),
+        ({"network": "x" * 300}, ["no network"]),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
 )

@@ -12,6 +12,7 @@ import pytest
 from fmus.slosh_ems.linear import LinearSlosh
 from fmus.slosh_rbf import gate
 from fmus.slosh_rbf.body import from_load, to_load
+from fmus.slosh_rbf.excitation import Motion, carried
 from fmus.slosh_rbf.memory import MODES, SECOND, Memory
 from fmus.slosh_rbf.network import Network, NetworkError, Weights, load, untrained
 from fmus.slosh_rbf.readout import EVEN, MIRROR, ODD, SPACE
@@ -40,9 +41,11 @@ def random_network(seed: int, centres: int = 40, size: float = 1e-2) -> Network:
     r = np.random.default_rng(seed)
     weights = Weights(
         True, size * r.normal(size=(ODD, 2)), size * r.normal(size=EVEN), r.normal(size=(centres, SPACE)), np.full(centres, 0.3),
-        1.0 / r.uniform(0.1, 1.0, SPACE), size * r.normal(size=(centres, 2)), size * r.normal(size=centres), np.full(3, 0.05),
+        1.0 / r.uniform(0.1, 1.0, SPACE), size * r.normal(size=(centres, 2)), size * r.normal(size=centres), np.zeros(centres),
+        np.full(3, 0.05),
     )  # fmt: skip
-    return Network("random", weights, np.ones(SPACE), 0.15, 0.3)
+    spread = (weights.centres * weights.inverse_scales * weights.sharpness[:, None]) ** 2
+    return Network("random", weights._replace(still=2.0 * np.exp(-0.5 * spread.sum(axis=1))), np.ones(SPACE), 0.15, 0.3)
 
 
 def test_the_linear_base_is_the_equivalent_mechanical_system() -> None:
@@ -68,6 +71,9 @@ def test_rest_stays_rest_and_a_tilt_gives_the_static_load() -> None:
     gas = 1.2
     surrogate = Surrogate(untrained("bilinear", True), TANK, 1e-6, gas)
     rest = surrogate.run(np.zeros((50, 9)), 2e-3)
+    # with any weights nothing is added at rest (1e-12 of the weight: rounding)
+    trained = Surrogate(random_network(6), TANK, 1e-6, gas).run(np.zeros((50, 9)), 2e-3)
+    assert np.abs(trained - rest).max() < 1e-9
     weight = static_load(TANK).force_y - gas * 0.5 * 0.075 * 9.81
     assert rest == pytest.approx(np.tile([0.0, weight, -1.8 * weight], (50, 1)), abs=1e-9)
     tilt = np.zeros((50, 9))
@@ -185,6 +191,20 @@ def test_the_offset_is_exact() -> None:
     assert a[:, 2] == pytest.approx(b[:, 2] + far.y * b[:, 0] - far.x * b[:, 1], rel=1e-12, abs=1e-9)
 
 
+def test_the_offset_is_exact_in_rotation_too() -> None:
+    """Plunge and pitch of the axis carried to the tank (excitation.carried, from kinematics alone): the same forces, and the
+    moment about the axis (1e-7 of the loads: between samples the quintics through the two motions differ)."""
+    far, near = replace(TANK, y=0.0), replace(TANK, x=0.0, y=0.0)
+    motions = swing(2e-3 * np.arange(300), 1e-3, 4e-3)
+    moved = carried(Motion("m", "m", 0, {}, 2e-3 * np.arange(300), motions), far.x).motions
+    a = Surrogate(random_network(2), far, 1e-6, 1.2).run(motions, 2e-3)
+    b = Surrogate(random_network(2), near, 1e-6, 1.2).run(moved, 2e-3)
+    arm = far.x * np.cos(motions[:, 3]), -far.x * np.sin(motions[:, 3])  # of the tank from the axis, aft and up
+    scale = np.abs(b).max()
+    assert np.abs(a[:, :2] - b[:, :2]).max() < 1e-7 * scale
+    assert np.abs(a[:, 2] - (b[:, 2] + arm[1] * b[:, 0] - arm[0] * b[:, 1])).max() < 1e-7 * scale
+
+
 def test_axes_there_and_back() -> None:
     r = np.random.default_rng(4)
     for tilt in (0.0, 0.3, -1.2):
@@ -207,6 +227,10 @@ def test_a_network_in_a_file(tmp_path: Path) -> None:
     broken.save(tmp_path / "nan.npz")
     with pytest.raises(NetworkError, match="not finite"):
         load(tmp_path / "nan.npz")
+    for field, value in (("reach", np.zeros(SPACE)), ("reach", np.ones(2)), ("shape", float("nan")), ("room", -1.0)):
+        replace(network, **{field: value}).save(tmp_path / "odd.npz")
+        with pytest.raises(NetworkError, match="make no sense"):
+            load(tmp_path / "odd.npz")
     with pytest.raises(NetworkError, match="cannot be read"):
         load(tmp_path / "none.npz")
 
