@@ -20,10 +20,10 @@ from master.history import History
 
 
 def targets(sources: Sequence[History], out: Path | None, suffix: str) -> list[Path]:
-    """Where each history goes: beside itself, to the file `out` (if it is one), into the folder `out`. Raises AeroSloshError."""
+    """Where each history goes: beside itself, to the file `out` (with an ending), into the folder `out`. Raises AeroSloshError."""
     if out is None:
         return [source.path.with_name(source.name + suffix) for source in sources]
-    if len(sources) == 1 and not out.is_dir():
+    if len(sources) == 1 and out.suffix and not out.is_dir():
         return [out]
     if out.is_file() or out.suffix == suffix:
         raise AeroSloshError(f"There are {len(sources)} histories for one file", f"--out {out}", "give a folder, or one history")
