@@ -20,7 +20,7 @@ from master.history import History
 
 
 def targets(sources: Sequence[History], out: Path | None, suffix: str) -> list[Path]:
-    """Where each history goes: beside itself, to the file `out` (with an ending), into the folder `out`. Raises AeroSloshError."""
+    """Where each history goes: beside itself, to the file `out` (with an ending), to the folder `out`. Raises AeroSloshError."""
     if out is None:
         return [source.path.with_name(source.name + suffix) for source in sources]
     if len(sources) == 1 and out.suffix and not out.is_dir():
