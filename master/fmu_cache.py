@@ -66,9 +66,13 @@ def unzip(path: Path) -> tuple[Path, str]:
             archive.extractall(part)
         if not (part / "modelDescription.xml").is_file():
             raise AeroSloshError(f"{path.name} holds no modelDescription.xml", str(path), "give an FMI 2.0 FMU")
-        if folder.exists():  # a damaged earlier copy
-            shutil.rmtree(folder, ignore_errors=True)
-        os.rename(part, folder)
+        try:
+            os.rename(part, folder)
+        except OSError:
+            if (folder / "modelDescription.xml").is_file():
+                return folder, digest  # another process was faster; its copy may be in use already
+            shutil.rmtree(folder, ignore_errors=True)  # a damaged earlier copy
+            os.rename(part, folder)
     except zipfile.BadZipFile:
         raise AeroSloshError(f"{path.name} is not a zip archive", str(path), "build it again with `make fmus`") from None
     except OSError as error:

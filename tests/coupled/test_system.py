@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -121,3 +125,36 @@ def test_many_lives_of_one_component(doubles: Path) -> None:
         aero.step(1e-3)
         aero.restart()
     aero.close()
+
+
+RACER = """
+import sys, time
+from pathlib import Path
+from master import fmu_cache
+path, go = Path(sys.argv[1]), float(sys.argv[2])
+while time.time() < go:
+    pass
+folder, _ = fmu_cache.unzip(path)
+# what a process was given stays whole, whoever comes later
+for _ in range(200):
+    assert any(folder.glob("binaries/*/*")), "the binary is gone"
+    time.sleep(0.001)
+"""
+
+
+def test_processes_that_unzip_at_once_leave_each_other_s_copy_alone(doubles: Path, tmp_path: Path) -> None:
+    for _ in range(3):
+        cache = tmp_path / f"cache{time.time_ns()}"
+        go = str(time.time() + 1.0)
+        racers = [
+            subprocess.Popen(
+                [sys.executable, "-c", RACER, str(doubles / "oscillator.fmu"), go],
+                env={**os.environ, "XDG_CACHE_HOME": str(cache)},
+                cwd=Path(__file__).parents[2],
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            for _ in range(6)
+        ]
+        for racer in racers:
+            assert racer.wait(60) == 0, racer.stderr.read() if racer.stderr else ""
