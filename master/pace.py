@@ -15,8 +15,6 @@ import numpy as np
 from master.component import Component
 from master.errors import AeroSloshError
 
-WAVEFORMS = ("hold", "linear", "quadratic")
-
 
 @dataclass(frozen=True)
 class Pace:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..kit.compiled import jit
 from .memory import Array
-from .network import FORMAT, NetworkError
+from .network import FORMAT, NetworkError, write_archive
 
 KIND = "feedback"
 ARRAYS = ("shift", "scale", "output_shift", "output_scale", "linear", "centres", "weights")
@@ -96,11 +96,7 @@ class Feedback:
 def save(net: Feedback, path: Path) -> None:
     """Write a numpy archive (no pickles), whole or not at all."""
     text = {n: getattr(net, n) for n in ("name", "inputs", "delays", "step", "spread", "shape", "room", "about")}
-    data = json.dumps({"format": FORMAT, "kind": KIND, **text}, sort_keys=True).encode()
-    part = path.with_name(f".{path.name}.part")
-    with part.open("wb") as file:
-        np.savez_compressed(file, text=np.frombuffer(data, np.uint8), **{n: getattr(net, n) for n in ARRAYS})
-    part.replace(path)
+    write_archive(path, {"format": FORMAT, "kind": KIND, **text}, {n: getattr(net, n) for n in ARRAYS})
 
 
 def load(path: Path) -> Feedback:

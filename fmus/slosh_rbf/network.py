@@ -15,7 +15,8 @@ Baselines are the same model with less: without corrections ("bilinear"), withou
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -67,24 +68,20 @@ class Network:
     room: float
     about: dict[str, Any] = field(default_factory=dict)
 
-    def without_gaussians(self, name: str) -> Network:
-        """The same tail alone."""
-        w = self.weights
-        none = w._replace(
-            centres=np.zeros((0, SPACE)), sharpness=np.zeros(0), turning=np.zeros((0, 2)), lifting=np.zeros(0), still=np.zeros(0)
-        )  # fmt: skip
-        return replace(self, name=name, weights=none)
-
     def save(self, path: Path) -> None:
         """Write a numpy archive (no pickles), whole or not at all."""
-        text = json.dumps(
-            {"format": FORMAT, "name": self.name, "shape": self.shape, "room": self.room, "about": self.about}, sort_keys=True
-        )
+        about = {"format": FORMAT, "name": self.name, "shape": self.shape, "room": self.room, "about": self.about}
         arrays = {name: np.asarray(value) for name, value in self.weights._asdict().items()}
-        part = path.with_name(f".{path.name}.part")
-        with part.open("wb") as file:
-            np.savez_compressed(file, text=np.frombuffer(text.encode(), np.uint8), reach=self.reach, **arrays)  # type: ignore[arg-type]
-        part.replace(path)
+        write_archive(path, about, {"reach": self.reach, **arrays})
+
+
+def write_archive(path: Path, about: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
+    """A numpy archive (no pickles) of `arrays` and the JSON text `about`, whole or not at all."""
+    text = json.dumps(about, sort_keys=True).encode()
+    part = path.with_name(f".{path.name}.part")
+    with part.open("wb") as file:
+        np.savez_compressed(file, text=np.frombuffer(text, np.uint8), **arrays)  # type: ignore[arg-type]
+    part.replace(path)
 
 
 def untrained(name: str, bilinear: bool) -> Network:
