@@ -8,7 +8,8 @@ A component is a folder of `fmus/` with a `fmu.py` that holds one subclass of `S
     ...) resources/<component>_<hash>_slave.py             generated: pins its globals, holds the one leaf
     class resources/pythonfmu/                              pythonfmu itself, embedded
     resources/requirements.txt                        the packages this FMU imports
-    documentation/                                    README and licences
+    documentation/                                    index.html, README, reference result, licences
+    model.png                                         icon
 
 The hash of the content in the names lets several FMUs, and two versions of one, live in one Python process.
 The same sources build the same bytes. Every FMU is described, and checked after it is built, in a process of
@@ -28,10 +29,11 @@ import tempfile
 import tomllib
 import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pythonfmu
 
-from . import sources
+from . import page, sources
 
 ROOT = Path(__file__).resolve().parents[1]  # fmus/
 PYTHONFMU = Path(inspect.getfile(pythonfmu)).parent
@@ -120,8 +122,8 @@ def build(folder: Path, out: Path, *, check: bool = True, root: Path = ROOT) -> 
     for platform, name in BINARIES.items():
         binary = PYTHONFMU / "resources" / "binaries" / platform / name
         entries[f"binaries/{platform}/{component}{binary.suffix}"] = binary.read_bytes()
-    entries.update(_documentation(folder, root))
     entries["modelDescription.xml"] = _describe(entries, script, component)
+    entries.update(_documentation(folder, root, ElementTree.fromstring(entries["modelDescription.xml"])))
 
     out.mkdir(parents=True, exist_ok=True)
     target = out / f"{component}.fmu"
@@ -213,15 +215,23 @@ def _requirements(files: dict[str, Path], component: str, root: Path) -> str:
     return "".join(f"{ranges.get(name.lower(), name)}\n" for name in names)
 
 
-def _documentation(folder: Path, root: Path) -> dict[str, bytes]:
+def _documentation(folder: Path, root: Path, description: ElementTree.Element) -> dict[str, bytes]:
+    """Return index.html, the README it was made from, reference result, icon and licences."""
     found = {f"documentation/{path.name}": path for path in folder.glob("*.md")}
+    found |= {f"documentation/{sources.REFERENCE}/{path.name}": path for path in (folder / sources.REFERENCE).glob("*.*")}
+    if (icon := folder / sources.ICON).is_file():
+        found["model.png"] = icon  # the name that FMI 2.0 gives it
     if (licence := root.parent / "LICENSE").is_file():
         found["documentation/licenses/license.txt"] = licence
     entries = {name: path.read_bytes() for name, path in found.items()}
     for file in importlib.metadata.files("pythonfmu") or []:
         if file.name == "LICENSE":
             entries["documentation/licenses/pythonfmu.txt"] = Path(str(file.locate())).read_bytes()
-    return entries
+    text = page.index(
+        entries.get("documentation/README.md", b"").decode(), description,
+        icon="model.png" in entries, picture=f"documentation/{sources.REFERENCE}/picture.svg" in entries,
+    )  # fmt: skip
+    return {**entries, "documentation/index.html": text.encode()}
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -14,9 +14,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 KIT = "kit"
-BUILD_ONLY = {"build.py"}
+BUILD_ONLY = {"build.py", "page.py", "readme.py"}
 DOCUMENTATION = {".md"}
-SKIP = {"__pycache__"}
+REFERENCE = "reference"  # folder with the reference result
+ICON = "icon.png"
+SKIP = {"__pycache__", REFERENCE, ICON}  # documentation, like READMEs: no part of what is computed
 
 
 def component_files(folder: Path, root: Path) -> dict[str, Path]:

@@ -45,6 +45,29 @@ BASE: dict[str, Exponents] = {
     "J/(kg.K)": {"m": 2, "s": -2, "K": -1},
 }
 
+QUANTITY = {
+    "kg": "StaticMomentPerLength",
+    "kg/m": "MassPerLength",
+    "kg.m": "InertiaPerLength",
+    "kg/m3": "Density",
+    "m": "Length",
+    "m3": "Volume",
+    "s": "Time",
+    "m/s": "Velocity",
+    "m/s2": "Acceleration",
+    "m2/s": "KinematicViscosity",
+    "rad": "Angle",
+    "rad/s": "AngularVelocity",
+    "rad/s2": "AngularAcceleration",
+    "N": "MomentPerLength",
+    "N/m": "ForcePerLength",
+    "N/rad": "PitchStiffnessPerLength",
+    "J/m": "EnergyPerLength",
+    "Pa": "Pressure",
+    "K": "Temperature",
+}
+"""What a unit stands for where a variable does not say it: loads, masses and energies here are per metre of span."""
+
 
 def base(unit: str) -> Exponents:
     """Return the base-unit attributes of `unit`.

@@ -105,7 +105,7 @@ def _units(root: Element, variables: Sequence[Variable]) -> None:
 
 def _types(root: Element, variables: Sequence[Variable]) -> None:
     definitions = Element("TypeDefinitions")
-    quantities = sorted({(v.quantity, v.unit) for v in variables if v.quantity and v.type == "Real"})
+    quantities = sorted({(_quantity(v), v.unit) for v in variables if _quantity(v) and v.type == "Real"})
     for quantity, unit in quantities:
         SubElement(
             SubElement(definitions, "SimpleType", name=_type_name(quantity, unit)),
@@ -121,6 +121,11 @@ def _types(root: Element, variables: Sequence[Variable]) -> None:
                 SubElement(enumeration, "Item", name=name, value=str(number), description=text)
     if len(definitions):
         root.append(definitions)
+
+
+def _quantity(variable: Variable) -> str:
+    """What the variable is an amount of, by its unit unless it says so itself."""
+    return variable.quantity or units.QUANTITY.get(variable.unit, "")
 
 
 def _type_name(quantity: str, unit: str) -> str:
@@ -144,10 +149,9 @@ def _scalar(parent: Element, reference: int, variable: Variable) -> None:
     details: dict[str, str] = {}
     if variable.items:
         details["declaredType"] = f"{variable.name}_type"
-    elif variable.quantity and variable.type == "Real":
-        details["declaredType"] = _type_name(variable.quantity, variable.unit)
-    if variable.quantity:
-        details["quantity"] = variable.quantity
+    elif variable.type == "Real" and (quantity := _quantity(variable)):
+        details["declaredType"] = _type_name(quantity, variable.unit)
+        details["quantity"] = quantity
     if variable.unit:
         details["unit"] = variable.unit
     real = variable.type == "Real"

@@ -40,7 +40,7 @@ class SloshVof(Slave):
         parameter("max_step", Numerics.max_step, "s", "Longest internal step", min=1e-7, max=1.0),
         parameter("wall_slip", False, "", "Walls without friction; baffles have none in either case"),
         parameter("wall_layer", False, "", "Friction of the laminar layer where cells are too thick to hold it"),
-        parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3),
+        parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3, quantity="SurfaceTension"),
         parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
         parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),

@@ -1,23 +1,19 @@
-"""The face of slosh_ems without FMI: outputs that belong together, state, refusals, the README's numbers."""
+"""The face of slosh_ems without FMI: outputs that belong together, state, refusals."""
 
 from __future__ import annotations
 
 import math
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import fmus.slosh_ems
 from fmus.kit.interfaces import SLOSH, SLOSH_CONSTANT
 from fmus.slosh_ems.fmu import SloshEms
 from fmus.tank.frozen import Load, residual_load
 from fmus.tank.liquid import Tank
 from fmus.tank.motion import SectionMotion
 
-README = Path(fmus.slosh_ems.__file__).with_name("README.md")
 PLACE = {"tank_x": 0.3, "tank_y": 0.1}
 
 
@@ -169,20 +165,3 @@ def test_refusals_name_the_cause_and_the_remedy(values: dict[str, Any], words: s
     assert words in tank.message
     assert "Remedy" in tank.message
     assert not tank.do_step(0.0, 1e-3)
-
-
-def test_readme_reference_result() -> None:
-    number = r" (\S+) \|"
-    rows = re.findall(rf"^\| (linear|parametric) \|{6 * number}$", README.read_text(encoding="utf-8"), re.MULTILINE)
-    assert len(rows) == 8
-    waves = [("alpha", 0.02, 4.0), ("h", 0.01, 7.0)]
-    for equations in ("linear", "parametric"):
-        start = {key: value for name, size, omega in waves for key, value in wave(name, size, omega, 0.0).items()}
-        tank, done = started(**PLACE, **start, parametric=equations == "parametric"), 0
-        for kind, time, *values in rows:
-            if kind != equations:
-                continue
-            drive(tank, waves, 0.02, done, round(float(time) / 0.02))
-            done = round(float(time) / 0.02)
-            seen = [tank.force_x, tank.force_y, tank.moment, tank.moment_residual, tank.wave_height_east]
-            np.testing.assert_allclose(seen, [float(value) for value in values], rtol=1e-8, atol=1e-10)

@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time as clock
 from ctypes import byref
+from pathlib import Path
 from typing import Any
 
 import fmpy
@@ -21,6 +22,8 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.logging import addLoggerProxy
+
+from master import reference as references
 
 LOG: list[tuple[int, str, str]] = []
 
@@ -599,6 +602,11 @@ def vof_fields(path: str, folder: str) -> Any:
         "files": sorted(os.listdir(folder)), "volume": tank["liquid_volume"],
         "status": homeless.step(0.0, 1e-3), "error": homeless["error"],
     }  # fmt: skip
+
+
+def reference(path: str) -> Any:
+    """The FMU against its own reference result: name, difference, allowed."""
+    return [[one.name, one.found, one.allowed] for one in references.check(Path(path))]
 
 
 if __name__ == "__main__":

@@ -150,7 +150,9 @@ def test_description_of_the_structure(fmu: Fmu) -> None:
         assert scalar.get("description") is not None, name
         real = scalar.find("Real")
         assert real is None or real.get("unit") in units, name
-    assert scalars["mass"].find("Real").attrib == {"unit": "kg/m", "min": "1e-09", "start": "57.73"}
+    assert scalars["mass"].find("Real").attrib == {
+        "declaredType": "MassPerLength [kg/m]", "quantity": "MassPerLength", "unit": "kg/m", "min": "1e-09", "start": "57.73"
+    }  # fmt: skip
     assert scalars["load_prediction"].find("Enumeration").get("start") == "0"
     assert [item.get("name") for item in root.iter("Item")] == ["none", "linear"]
     outputs = [unknown.attrib for unknown in root.find("ModelStructure/Outputs")]

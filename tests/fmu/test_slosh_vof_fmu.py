@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ from zipfile import ZipFile
 import numpy as np
 from fmpy.validation import validate_fmu
 
-import fmus.slosh_vof
 from fmus.slosh_vof.flow import Flow, Fluids, Numerics
 from fmus.slosh_vof.grid import Grid
 from fmus.tank.liquid import Tank
@@ -23,7 +21,6 @@ from master import vtk
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]
-README = Path(fmus.slosh_vof.__file__).with_name("README.md")
 DISCARD = 2
 BOX = {"cells_x": 32, "cells_y": 16}
 LOADS = ["force_x", "force_y", "moment"]
@@ -35,7 +32,6 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
     assert validate_fmu(str(fmu("slosh_vof"))) == []
     with ZipFile(fmu("slosh_vof")) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-        assert "documentation/README.md" in archive.namelist()
     kinds: dict[str, dict[str, str | None]] = {"input": {}, "output": {}, "parameter": {}}
     for scalar in root.iter("ScalarVariable"):
         kinds[str(scalar.get("causality"))][str(scalar.get("name"))] = scalar[0].get("unit") or scalar[0].tag
@@ -167,21 +163,6 @@ def test_communication_steps_do_not_matter(fmu: Fmu, host: Host) -> None:
         assert differ(short, tiny, f"0.001 s against 1e-5 s, tolerance {tolerance:g}").max() < (
             5e-3 if tolerance > 5e-7 else 5e-5
         )
-
-
-def test_reference_result_of_the_readme(fmu: Fmu, host: Host) -> None:
-    text = README.read_text(encoding="utf-8").partition("## Reference result")[2]
-    names = ["force_x", "force_y", "moment", "moment_residual", "wave_height_east"]
-    rows = [
-        [float(word) for word in re.findall(r"-?[\d.]+(?:e-?\d+)?", line)] for line in text.splitlines() if line.startswith("| ")
-    ]
-    table = np.array([row for row in rows if len(row) == 6])
-    assert table.shape == (4, 6)
-    waves = {"alpha": [0.02, 4.0, 0.0], "h": [0.01, 7.0, 0.0]}
-    place = {"tank_x": 0.3, "tank_y": 0.1}
-    run = np.array(host("vof_steps", str(fmu("slosh_vof")), place, waves, [[0.02, 100]], names)[0])
-    found = run[np.round(table[:, 0] / 0.02).astype(int)]
-    np.testing.assert_allclose((found - table[:, 1:]) / np.ptp(run, axis=0), 0.0, atol=1e-3)
 
 
 def test_simulate_fmu_gives_the_numbers_of_the_python_interface(fmu: Fmu, host: Host) -> None:

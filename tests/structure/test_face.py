@@ -1,22 +1,16 @@
-"""The face of the structure without FMI: what its inputs mean, its state, its refusals, the README's
-numbers.
-"""
+"""The face of the structure without FMI: what its inputs mean, its state, its refusals."""
 
 from __future__ import annotations
 
 import itertools
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import fmus.structure
 from fmus.structure.fmu import Structure
 from fmus.structure.section import Section, SectionData
 
-README = Path(fmus.structure.__file__).with_name("README.md")
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot", "energy")
 
 
@@ -126,15 +120,3 @@ def test_refusals_name_the_cause_and_the_remedy(values: dict[str, Any], words: s
     assert "Remedy" in wing.message
     assert not wing.do_step(0.0, 1e-3)
     assert np.isnan(wing.get_real([next(r for r, v in enumerate(wing.declared) if v.name == "h")])[0])
-
-
-def test_readme_reference_result() -> None:
-    table = re.findall(r"^\| (\d\.\d+) \| (\S+) \| (\S+) \| (\S+) \|$", README.read_text(encoding="utf-8"), re.MULTILINE)
-    assert len(table) == 5
-    wing, step = started(forced_cycles=3.0), 2.0 * np.pi / 100.0 / 72
-    rows = {0: (0.0, 0.0, 0.0)}
-    for i in range(360):
-        assert wing.do_step(i * step, step)
-        rows[i + 1] = (wing.h, wing.alpha, wing.energy)
-    for cycles, *values in table:
-        np.testing.assert_allclose(rows[round(float(cycles) * 72)], [float(value) for value in values], rtol=1e-8, atol=1e-13)
