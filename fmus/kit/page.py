@@ -23,6 +23,7 @@ h1, h2, h3 { line-height: 1.2; } h2 { margin-top: 2rem; border-bottom: 1px solid
 code, pre { font: 0.88em ui-monospace, monospace; background: #f3f6f8; } pre { padding: 0.7rem; overflow-x: auto; }
 table { border-collapse: collapse; font-size: 0.9em; margin: 0.8rem 0; display: block; overflow-x: auto; }
 th, td { border: 1px solid #d5dde5; padding: 0.2rem 0.5rem; text-align: left; vertical-align: top; } th { background: #f3f6f8; }
+td:nth-child(4) { white-space: nowrap; }
 img.icon { float: right; width: 6rem; height: 6rem; margin: 0 0 1rem 1rem; } img.wide { max-width: 100%; }
 """
 
@@ -68,7 +69,8 @@ def variable_tables(description: Element) -> str:
         if not found:
             continue
         extra = causality != "output"
-        rows = [["name", "unit", *(["start", "range"] if extra else []), "meaning"]]
+        ranges = extra and any(v[0].get("min") or v[0].get("max") for v in found)
+        rows = [["name", "unit", *(["start"] if extra else []), *(["range"] if ranges else []), "meaning"]]
         for variable in found:
             kind = variable[0]
             text = variable.get("description", "")
@@ -76,8 +78,9 @@ def variable_tables(description: Element) -> str:
             if choices:
                 text += ": " + "; ".join(f"{value} {name} ({meaning})" for value, name, meaning in choices)
             unit = kind.get("unit") or {"Real": "", "Enumeration": "choice"}.get(kind.tag, kind.tag)
-            start = f"`{_shown(kind)}`" if kind.get("start") else ""
-            rows.append([f"`{variable.get('name')}`", unit, *([start, _range(kind, bool(choices))] if extra else []), text])
+            start = [f"`{_shown(kind)}`" if kind.get("start") else ""] if extra else []
+            bounds = [_range(kind, bool(choices))] if ranges else []
+            rows.append([f"`{variable.get('name')}`", unit, *start, *bounds, text])
         parts.append(f"### {title}\n\n{table(rows)}")
     return "\n\n".join(parts)
 
