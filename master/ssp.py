@@ -14,6 +14,7 @@ The same system gives the same bytes.
 from __future__ import annotations
 
 import io
+import math
 import zipfile
 from collections.abc import Mapping
 from importlib import metadata
@@ -54,7 +55,10 @@ def write(coupled: Coupled, target: Path) -> None:
 def archive(coupled: Coupled) -> bytes:
     """The archive: the description, parameter sets, FMUs byte for byte, and the resolved settings. Raises AeroSloshError."""
     units = ssp_units.of_parts(coupled.parts)
-    files = {"SystemStructure.ssd": _text(_description(coupled, units)), "extra/aeroslosh/settings.toml": coupled.settings.encode()}
+    files = {
+        "SystemStructure.ssd": _text(_description(coupled, units)),
+        "extra/aeroslosh/settings.toml": coupled.settings.encode(),
+    }
     for part in coupled.parts:
         files[f"resources/{part.name}.ssv"] = _text(_parameters(part, units))
         files[_source(part, coupled)] = part.path.read_bytes()
@@ -85,7 +89,7 @@ def _description(coupled: Coupled, units: Mapping[str, ssp_units.Base]) -> ET.El
     _units(root, "ssd", units)
     experiment = _add(root, "ssd", "DefaultExperiment", startTime=repr(coupled.start), stopTime=repr(coupled.stop))
     place = _annotation(_add(experiment, "ssd", "Annotations"), "com.opensimulationplatform")
-    _add(_add(place, "osp", "Algorithm"), "osp", "FixedStepAlgorithm", baseStepSize=repr(coupled.dt))
+    _add(_add(place, "osp", "Algorithm"), "osp", "FixedStepAlgorithm", baseStepSize=repr(_not_cut_short(coupled.dt)))
     export = _add(
         _annotation(_add(root, "ssd", "Annotations"), "aeroslosh"),
         "aeroslosh",
@@ -117,9 +121,7 @@ def _component(elements: ET.Element, part: Part, coupled: Coupled, units: Mappin
     )
     wired = {end for wire in coupled.wires for end in (wire.source, wire.target)}
     chosen = [
-        v
-        for v in part.variables.values()
-        if v.type == "Real" and (v.causality == "output" or f"{part.name}.{v.name}" in wired and v.causality == "input")
+        v for v in part.variables.values() if v.type == "Real" and (v.causality == "output" or f"{part.name}.{v.name}" in wired)
     ]
     if chosen:
         connectors = _add(element, "ssd", "Connectors")
@@ -165,6 +167,14 @@ def _source(part: Part, coupled: Coupled) -> str:
     """Where the FMU lies in the archive: under its own name, or under the component's where another FMU has that."""
     others = {p.sha256 for p in coupled.parts if p.path.name == part.path.name}
     return f"resources/{part.path.name if len(others) == 1 else part.name + '.fmu'}"
+
+
+def _not_cut_short(dt: float) -> float:
+    """`dt` [s], or the next number above it that libcosim, which cuts off parts of a nanosecond, takes for the same count."""
+    count = round(dt * 1e9)
+    while int(dt * 1e9) < count:
+        dt = math.nextafter(dt, math.inf)
+    return dt
 
 
 def _literal(kind: str, value: float | int | bool | str) -> str:

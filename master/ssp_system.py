@@ -86,17 +86,15 @@ def from_case(
         if (item := _item(structure, PREDICTION, prediction)) != int(structure.variables[PREDICTION].start or 0):
             structure.values[PREDICTION] = item
         connections = rig.system.wires
-    notes = _notes(case.coupling, prediction)
+    notes = [*_notes(case.coupling), *_limits(parts)]
     if case.slosh.predictor != "none" and case.slosh.model != "frozen":
-        notes.append(f"slosh.predictor = {case.slosh.predictor} is left out: one FMU foretelling another's loads is no part of SSP.")
-    if rig.exchanges_whole_loads or (case.slosh.split == "none" and rig.tank is not None and rig.tank.moving is not None):
-        notes.append("slosh.split = none exchanges the liquid's whole load: late by a step it damps, and diverges where it is heavy.")
-    notes += [
-        f"{part.name}.{name} = {value} is a file of this machine, which is not in the archive."
-        for part in parts
-        for name, value in part.values.items()
-        if isinstance(value, str) and value and Path(value).is_file()
-    ]
+        notes.append(
+            f"slosh.predictor = {case.slosh.predictor} is left out: one FMU foretelling another's loads is no part of SSP."
+        )
+    if case.slosh.split == "none" and case.slosh.model not in ("none", "frozen"):
+        notes.append(
+            "slosh.split = none exchanges the liquid's whole load: late by a step it damps, and diverges where it is heavy."
+        )
     liquid = slosh.LABEL[case.slosh.model]
     about = f"Wing section at Mach {case.flow.mach:g}, V_f {case.flutter.V_f:g}, {liquid}: forced pitch, release, free motion."
     steps = flutter.length(case, s)[1]
@@ -106,16 +104,18 @@ def from_case(
 def from_assembly(assembly: Assembly, fmus: dict[str, Path]) -> Coupled:
     """The system of a system file. Raises as `from_case`."""
     _refuse(assembly.coupling, str(assembly.path))
-    notes = _notes(assembly.coupling, "none")
-    for name, part in assembly.components.items():
-        if part.predicts:
-            notes.append(f"components.{name} is left out: one FMU foretelling '{part.predicts}' is no part of SSP.")
     system = assemblies.build(assembly, fmus)
     try:
         system.initialize(assembly.run.start)
         parts = _parts(system)
     finally:
         system.close()
+    left_out = [
+        f"components.{name} is left out: one FMU foretelling '{part.predicts}' is no part of SSP."
+        for name, part in assembly.components.items()
+        if part.predicts
+    ]
+    notes = [*_notes(assembly.coupling), *left_out, *_limits(parts)]
     about = f"{assembly.name}: {', '.join(f'{part.name} ({part.path.stem})' for part in parts)}"
     run = assembly.run
     settings = assemblies.dump(assembly)
@@ -165,15 +165,29 @@ def _refuse(coupling: Coupling, where: str) -> None:
             )
 
 
-def _notes(coupling: Coupling, prediction: str) -> list[str]:
+def _notes(coupling: Coupling) -> list[str]:
     """What the archive does not say of the coupling."""
     way = "repeats each step until the loads agree" if coupling.scheme == "implicit" else "passes loads on once a step"
     notes = [
         f"coupling.scheme = {coupling.scheme} ({way}) and predictor_order = {coupling.predictor_order} are no part of SSP: every "
-        "tool exchanges values in its own way, usually all at once after each step (Jacobi), late by a step each way."
+        "tool exchanges values in its own way, usually all at once after each step (Jacobi), late by a step each way. That adds "
+        "a growth rate in proportion to the step: run two steps and extrapolate (docs/ssp.md)."
     ]
     if coupling.scheme == "implicit":
-        notes.append("A system that needs implicit coupling may diverge in such a tool: compare with a small step first.")
-    if prediction != "none":
-        notes.append("load_prediction is an enumeration, which libcosim cannot set: there the FMU's own start value remains (none).")
+        notes.append("A system that needs implicit coupling may diverge in such a tool, at any step.")
+    return notes
+
+
+def _limits(parts: list[Part]) -> list[str]:
+    """Values that not every tool can give to the FMUs."""
+    notes = []
+    for part in parts:
+        for name, value in part.values.items():
+            full, variable = f"{part.name}.{name}", part.variables[name]
+            if variable.type == "Enumeration":
+                notes.append(f"{full} is an enumeration, which libcosim and ecos pass over: there the FMU's own value holds.")
+            elif variable.type == "String" and value != (variable.start or ""):
+                notes.append(f"{full} is a text, which FMPy's SSP simulation cannot set.")
+                if Path(str(value)).is_file():
+                    notes.append(f"{full} = {value} is a file of this machine, which is not in the archive.")
     return notes

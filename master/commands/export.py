@@ -107,7 +107,9 @@ def _system(options: argparse.Namespace) -> int:
     else:
         names = ", ".join(f"{part.name} ({part.path.name}, {len(part.values)} values)" for part in coupled.parts)
         lines = [f"{os.path.relpath(target)}: {coupled.description}", f"  components   {names}"]
-        lines.append(f"  step         {coupled.dt!r} s, {coupled.steps} of them from t = {coupled.start!r} s: give it to the tool")
+        lines.append(
+            f"  step         {coupled.dt!r} s, {coupled.steps} of them from t = {coupled.start!r} s: give it to the tool"
+        )
         print("\n".join(lines + [f"  note: {note}" for note in coupled.notes]))
     return ExitCode.OK
 

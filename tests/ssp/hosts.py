@@ -16,11 +16,22 @@ from typing import Any
 import numpy as np
 
 
-def run_fmpy(archive: str, dt: float, steps: int, signals: list[str]) -> np.ndarray:
+def run_fmpy(archive: str, dt: float, steps: int, signals: list[str], started: bool = False) -> np.ndarray:
     """FMPy's `simulate_ssp`. It reads the parameter sets but leaves it to its caller to pass them on, by "component.name" and,
-    but for Reals, as values: it would take the text "false" for true."""
-    from fmpy.ssp.simulation import simulate_ssp
+    but for Reals, as values: it would take the text "false" for true. `started`: see `run_fmpy_started`."""
+    from fmpy.ssp import simulation
     from fmpy.ssp.ssd import Parameter, ParameterSet, find_components, read_ssd
+
+    if started:
+        instantiate = simulation.instantiate_fmu
+
+        def with_start_values(component: Any, *rest: Any) -> None:
+            instantiate(component, *rest)
+            for connector in component.connectors:
+                if connector.kind == "input":
+                    connector.value = simulation.get_value(component, connector.name)
+
+        simulation.instantiate_fmu = with_start_values
 
     convert: dict[str, Any] = {"Real": float, "Integer": int, "Boolean": lambda text: text == "true", "String": str}
     given = ParameterSet(name="all")
@@ -31,8 +42,13 @@ def run_fmpy(archive: str, dt: float, steps: int, signals: list[str]) -> np.ndar
                     name, value = f"{component.name}.{p.name}", convert[p.type](p.value)
                     given.parameters.append(Parameter(name=name, type=p.type, value=value, unit=p.unit))
     # half a step short: its time is a running sum, which may end just below the last step's start
-    rows = simulate_ssp(archive, stop_time=(steps - 0.5) * dt, step_size=dt, parameter_set=given)
+    rows = simulation.simulate_ssp(archive, stop_time=(steps - 0.5) * dt, step_size=dt, parameter_set=given)
     return np.column_stack([rows[name] for name in signals])
+
+
+def run_fmpy_started(archive: str, dt: float, steps: int, signals: list[str]) -> np.ndarray:
+    """FMPy again, but the first step gets the inputs' start values: FMPy itself gives 0 to every input in the first step."""
+    return run_fmpy(archive, dt, steps, signals, started=True)
 
 
 def run_libcosim(archive: str, dt: float, steps: int, signals: list[str]) -> np.ndarray:
@@ -73,7 +89,7 @@ def run_ecos(archive: str, dt: float, steps: int, signals: list[str]) -> np.ndar
     return np.array(rows)
 
 
-TOOLS = {"fmpy": run_fmpy, "libcosim": run_libcosim, "ecos": run_ecos}
+TOOLS = {"fmpy": run_fmpy, "fmpy_started": run_fmpy_started, "libcosim": run_libcosim, "ecos": run_ecos}
 
 
 def main() -> int:
