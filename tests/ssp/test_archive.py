@@ -20,6 +20,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 from master import cli, ssp, ssp_system, ssp_units
 from master.component import Component
 from master.errors import AeroSloshError, ExitCode
+from master.rig import FlutterRig
 from master.similarity import scales
 from master.ssp_system import Coupled, Part
 
@@ -66,6 +67,8 @@ def test_content(coupled: Coupled, tmp_path: Path) -> None:
     names = ["aero.fmu", "aero.ssv", "slosh.ssv", "slosh_ems.fmu", "structure.fmu", "structure.ssv"]
     wanted = ["SystemStructure.ssd", "extra/aeroslosh/settings.toml", *(f"resources/{name}" for name in names)]
     assert list(content) == wanted
+    with zipfile.ZipFile(path) as archive:
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     for part in coupled.parts:
         assert content[f"resources/{part.path.name}"] == part.path.read_bytes()
         assert read_ssv(str(path), f"resources/{part.name}.ssv", validate=True).name == "initialValues"
@@ -95,8 +98,6 @@ def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None
     """A fresh FMU with the archive's values has every parameter that the master's own has."""
     case = small("ems")
     content = unpacked(ssp.archive(coupled))
-    from master.rig import FlutterRig
-
     with FlutterRig(case, files(fmu, case), 0.8) as rig:
         rig.start(0.7)
         for part in coupled.parts:
