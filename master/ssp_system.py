@@ -83,10 +83,12 @@ def from_case(
         s = rig.start(case.flutter.V_f)
         parts = _parts(rig.system)
         structure = next(part for part in parts if part.name == rig.structure.name)
-        if (item := _item(structure, PREDICTION, prediction)) != int(structure.variables[PREDICTION].start or 0):
-            structure.values[PREDICTION] = item
+        if prediction != "none":  # the FMU's own value; written out it would only make libcosim warn
+            structure.values[PREDICTION] = _item(structure, PREDICTION, prediction)
         connections = rig.system.wires
     notes = [*_notes(case.coupling), *_limits(parts)]
+    if case.flutter.forced_cycles == 0.0:  # a forced phase starts from rest and is not moved by loads
+        notes += _starts(parts)
     if case.slosh.predictor != "none" and case.slosh.model != "frozen":
         notes.append(
             f"slosh.predictor = {case.slosh.predictor} is left out: one FMU foretelling another's loads is no part of SSP."
@@ -96,7 +98,8 @@ def from_case(
             "slosh.split = none exchanges the liquid's whole load: late by a step it damps, and diverges where it is heavy."
         )
     liquid = slosh.LABEL[case.slosh.model]
-    about = f"Wing section at Mach {case.flow.mach:g}, V_f {case.flutter.V_f:g}, {liquid}: forced pitch, release, free motion."
+    protocol = "forced pitch, release, free motion" if case.flutter.forced_cycles > 0.0 else "free motion"
+    about = f"Wing section at Mach {case.flow.mach:g}, V_f {case.flutter.V_f:g}, {liquid}: {protocol}."
     steps = flutter.length(case, s)[1]
     return Coupled(case.name, about, parts, connections, 0.0, _whole(s.dt), steps, cases.dump(case), notes)
 
@@ -115,7 +118,7 @@ def from_assembly(assembly: Assembly, fmus: dict[str, Path]) -> Coupled:
         for name, part in assembly.components.items()
         if part.predicts
     ]
-    notes = [*_notes(assembly.coupling), *left_out, *_limits(parts)]
+    notes = [*_notes(assembly.coupling), *left_out, *_limits(parts), *_starts(parts)]
     about = f"{assembly.name}: {', '.join(f'{part.name} ({part.path.stem})' for part in parts)}"
     run = assembly.run
     settings = assemblies.dump(assembly)
@@ -191,3 +194,11 @@ def _limits(parts: list[Part]) -> list[str]:
                 if Path(str(value)).is_file():
                     notes.append(f"{full} = {value} is a file of this machine, which is not in the archive.")
     return notes
+
+
+def _starts(parts: list[Part]) -> list[str]:
+    """Inputs that do not start at 0."""
+    names = [f"{part.name}.{n}" for part in parts for n, v in part.values.items() if part.variables[n].causality == "input" and v]
+    if not names:
+        return []
+    return [f"FMPy's SSP simulation gives 0 to every input in its first step, and these start elsewhere: {', '.join(names)}."]

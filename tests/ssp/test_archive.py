@@ -184,6 +184,7 @@ def test_command(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "liquid_mass" in values(content, "structure")
     assert data["step"] == pytest.approx(scales(small("none"), 0.75, 0.65).dt, abs=1e-9) and data["stop"] > 0
     assert data["settings_sha256"] == hashlib.sha256(content["extra/aeroslosh/settings.toml"]).hexdigest()
+    assert not any("first step" in note for note in data["notes"])  # it starts from rest
     assert any("libcosim" in note for note in data["notes"]) and any("gauss-seidel" in note for note in data["notes"])
     assert cli.run(words) == ExitCode.OK
     assert repr(data["step"])[:4] in capsys.readouterr().out  # people are told the step too
@@ -202,6 +203,7 @@ def test_system_file(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture
     assert float(values(content, "tank")["alpha"][1]) == 0.02  # an input's start value
     assert values(content, "tank")["modes"] == ("Integer", "5", None)
     assert any("may diverge" in note for note in data["notes"])
+    assert any("FMPy" in note and "tank.alpha" in note and "tank.h_dot" not in note for note in data["notes"])
     read_ssd(str(target), validate=True)
 
 
