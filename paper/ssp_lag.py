@@ -2,7 +2,7 @@
 
 `python -m paper.ssp_lag [--fmus DIR] [--small]` exports a dry section, one with frozen fuel and one with sloshing fuel at several
 steps, with and without the structure's load prediction, marches what the archive says by our master's Jacobi without
-extrapolation, which FMPy, libcosim and ecos were shown to equal (tests/ssp/test_hosts.py), and fits the growth rate. Beside it
+extrapolation, which FMPy, libcosim and ecos were shown to equal (tests/ssp/test_ssp_hosts.py), and fits the growth rate. Beside it
 the master's own default (Gauss-Seidel, extrapolated) at the same step.
 
 Theory: motion and loads are each a step late, which adds a part in proportion to the step, the same for both; the structure's

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from marches import Host
+from ssp_marches import Host
 
 
 @pytest.fixture(scope="session")

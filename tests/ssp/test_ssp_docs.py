@@ -13,7 +13,7 @@ import pytest
 from master import ssp, ssp_system
 
 sys.path.insert(0, str(Path(__file__).parent))
-from marches import ROOT, Fmu, files, small
+from ssp_marches import ROOT, Fmu, files, small
 
 BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "ssp.md").read_text(encoding="utf-8"), re.DOTALL)
 

@@ -19,7 +19,22 @@ from master.rig import FlutterRig
 from master.ssp_system import Coupled
 
 sys.path.insert(0, str(Path(__file__).parent))
-from marches import LOADS, MOTION, SLOSH, STEPS, Fmu, Host, Sizes, difference, even, files, marched, nanoseconds, small, system_of
+from ssp_marches import (
+    LOADS,
+    MOTION,
+    SLOSH,
+    STEPS,
+    Fmu,
+    Host,
+    Sizes,
+    difference,
+    even,
+    files,
+    marched,
+    nanoseconds,
+    small,
+    system_of,
+)
 
 SAME = 1e-9
 STARTS = """

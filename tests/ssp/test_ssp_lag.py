@@ -10,7 +10,7 @@ import pytest
 from paper import ssp_lag
 
 sys.path.insert(0, str(Path(__file__).parent))
-from marches import Fmu, files
+from ssp_marches import Fmu, files
 
 
 def test_lag_is_of_first_order_and_prediction_takes_half(fmu: Fmu) -> None:

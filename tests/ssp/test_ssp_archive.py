@@ -25,7 +25,7 @@ from master.similarity import scales
 from master.ssp_system import Coupled, Part
 
 sys.path.insert(0, str(Path(__file__).parent))
-from marches import ROOT, SMALL, Fmu, files, small
+from ssp_marches import ROOT, SMALL, Fmu, files, small
 
 NS = {prefix: f"{{{uri}}}" for prefix, uri in ssp.SPACES.items()}
 
