@@ -2,8 +2,8 @@
 
 `python -m paper.ssp_lag [--fmus DIR] [--small]` exports a dry section, one with frozen fuel and one with sloshing fuel at several
 steps, with and without the structure's load prediction, marches what the archive says by our master's Jacobi without
-extrapolation, which FMPy, libcosim and ecos were shown to equal (tests/ssp/test_ssp_hosts.py), and fits the growth rate. Beside it
-the master's own default (Gauss-Seidel, extrapolated) at the same step.
+extrapolation, which FMPy, libcosim and ecos were shown to equal (tests/ssp/test_ssp_hosts.py), and fits the growth rate. Beside
+it the master's own default (Gauss-Seidel, extrapolated) at the same step.
 
 Theory: motion and loads are each a step late, which adds a part in proportion to the step, the same for both; the structure's
 prediction takes away the loads' half. Two runs, one with half the step, therefore extrapolate to 2 g(dt/2) − g(dt).
