@@ -86,6 +86,7 @@ class Component:
     inputs, outputs groups of all Real inputs and outputs (`input_index[name]` is the position)
     whole, truth    groups of all Integer (and enumeration) and all Boolean outputs; read them with
                     `.get()` when needed
+    given           name → value of everything set one by one before this instance was initialised
     cpu, wall       seconds spent inside its FMI calls
     Raises AeroSloshError for a file that is no usable FMU, ComponentError when a call fails."""
 
@@ -182,6 +183,8 @@ class Component:
     def set(self, name: str, value: float | int | bool | str) -> None:
         """Set one variable of any type."""
         variable = self._variable(name)
+        if self.state == "instantiated":
+            self.given[name] = value
         with self.calling("fmi2Set") as fmu:
             reference = [variable.valueReference]
             if variable.type == "Real":
@@ -353,6 +356,7 @@ class Component:
 
     def _instantiate(self) -> None:
         self.messages.clear()
+        self.given: dict[str, float | int | bool | str] = {}
         cpu, wall = clock.process_time(), clock.perf_counter()
         try:
             self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)

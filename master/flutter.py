@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from master import scheme as schemes
+from master.case import Case
 from master.channels import History
 from master.checkpoint import Checkpoint, Keeper
 from master.damping import Fit, analyse
@@ -76,6 +77,12 @@ class March:
         return np.vstack([self.history["h_over_b"], self.history["alpha"]])[:, self.release :]
 
 
+def length(case: Case, s: Scales) -> tuple[int, int]:
+    """Steps of the forced phase, and of the whole march."""
+    release = round(case.flutter.forced_cycles / case.flutter.forced_frequency * s.steps_per_cycle)
+    return release, release + round(case.flutter.free_cycles * s.steps_per_cycle)
+
+
 def march(
     rig: FlutterRig,
     V_f: float,
@@ -97,8 +104,7 @@ def march(
     if keeper is not None:
         keeper.check(system)
     scheme.reset(system)
-    release = round(flutter.forced_cycles / flutter.forced_frequency * s.steps_per_cycle)
-    steps = release + round(flutter.free_cycles * s.steps_per_cycle)
+    release, steps = length(case, s)
     history = History(rig, steps + 1)
     history.take(0)
     fields = Fields(rig.aero, field_folder, (steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)))

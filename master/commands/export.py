@@ -1,4 +1,5 @@
-"""`aeroslosh export`: a run's histories and fields in formats of other programs. Each format has its own arguments."""
+"""`aeroslosh export`: a run's histories and fields in formats of other programs, a coupled system for other co-simulation tools.
+Each format has its own arguments."""
 
 from __future__ import annotations
 
@@ -8,15 +9,21 @@ import os
 from pathlib import Path
 from typing import Any
 
-from master import export, history
-from master.errors import ExitCode
+from master import assembly as assemblies
+from master import case as cases
+from master import export, history, settings, ssp, ssp_system
+from master.commands import common
+from master.errors import AeroSloshError, ExitCode
+from master.progress import Progress
+from master.rig import find_fmus
+from master.ssp_system import Coupled
 
 WRITERS = {"csv": export.to_csv, "parquet": export.to_parquet}
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "write a run's histories or fields for other programs"
+    text = "write a run's histories or fields, or a coupled system, for other programs"
     formats = commands.add_parser("export", help=text, description=text).add_subparsers(
         dest="format", required=True, metavar="FORMAT"
     )
@@ -42,6 +49,7 @@ def register(commands: Any) -> None:
     film.add_argument("--copy", action="store_true", help="copy the field files beside the .pvd, into a folder named like it")
     film.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
     film.set_defaults(execute=_fields)
+    _add_system(formats)
 
 
 def _add_table(sub: argparse.ArgumentParser) -> None:
@@ -49,6 +57,82 @@ def _add_table(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", type=Path, metavar="FILE", help="the file, or a folder for several (default beside each history)")
     sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
     sub.set_defaults(execute=_tables)
+
+
+def _add_system(formats: Any) -> None:
+    sub = formats.add_parser(
+        "ssp",
+        help="a coupled system as an SSP 1.0 archive",
+        description="a flutter case at its Mach number and V_f, or a system file, as an SSP 1.0 archive of FMUs, parameters with "
+        "units and connections, for FMPy, libcosim, ecos, OMSimulator and others (docs/ssp.md)",
+    )
+    sub.add_argument("path", type=Path, metavar="FILE.toml", help="a case, e.g. cases/paper_s.toml, or a system file")
+    sub.add_argument("--slosh", metavar="MODEL", help="none, frozen, ems, rbf or vof, instead of slosh.model")
+    sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
+    sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f")
+    sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
+    sub.add_argument(
+        "--load-prediction",
+        choices=["none", "linear"],
+        help="whether the structure extrapolates the loads that it is given, for hosts that do not (default none; docs/ssp.md)",
+    )
+    sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--out", type=Path, metavar="FILE.ssp", help="the archive (default <case>[_<slosh>].ssp)")
+    sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
+    sub.set_defaults(execute=_system)
+
+
+def _system(options: argparse.Namespace) -> int:
+    """A case or a system file as an archive."""
+    content, _ = settings.read(options.path, "case or system file", "cases/paper_s.toml")
+    coupled = _from_assembly(options) if "components" in content else _from_case(options)
+    liquid = f"_{options.slosh}" if options.slosh is not None else ""
+    target = options.out or Path(f"{coupled.name}{liquid}.ssp")
+    if target.suffix != ".ssp":
+        raise AeroSloshError(f"SSP tools know an archive by its ending, not as {target.name}", "--out", "end it in .ssp")
+    ssp.write(coupled, target)
+    if options.json:
+        data = {
+            "file": str(target),
+            "components": {part.name: {"fmu": part.path.name, "values": part.values} for part in coupled.parts},
+            "connections": [str(wire) for wire in coupled.wires],
+            "start": coupled.start,
+            "stop": coupled.stop,
+            "step": coupled.dt,
+            "steps": coupled.steps,
+            "settings_sha256": coupled.settings_sha256,
+            "notes": coupled.notes,
+        }
+        print(json.dumps(data))
+    else:
+        names = ", ".join(f"{part.name} ({part.path.name}, {len(part.values)} values)" for part in coupled.parts)
+        lines = [f"{os.path.relpath(target)}: {coupled.description}", f"  components   {names}"]
+        lines.append(
+            f"  step         {coupled.dt!r} s, {coupled.steps} of them from t = {coupled.start!r} s: give it to the tool"
+        )
+        print("\n".join(lines + [f"  note: {note}" for note in coupled.notes]))
+    return ExitCode.OK
+
+
+def _from_case(options: argparse.Namespace) -> Coupled:
+    given = {"slosh.model": options.slosh, "flow.mach": options.mach, "flutter.V_f": options.vf}
+    overrides = [f"{key}={value}" for key, value in given.items() if value is not None]
+    case = cases.load(options.path, [*options.set, *overrides])
+    fmus = find_fmus(options.fmus, case.slosh.model)
+    return ssp_system.from_case(case, fmus, options.load_prediction or "none", Progress(options.json).say)
+
+
+def _from_assembly(options: argparse.Namespace) -> Coupled:
+    for name in ("slosh", "mach", "vf", "load_prediction"):
+        if getattr(options, name) is not None:
+            flag = f"--{name.replace('_', '-')}"
+            raise AeroSloshError(
+                f"{flag} belongs to a flutter case, and this is a system file",
+                f"{flag} {getattr(options, name)}, {options.path}",
+                "set a component's parameter: --set components.NAME.parameters.VARIABLE=VALUE",
+            )
+    assembly = assemblies.load(options.path, options.set)
+    return ssp_system.from_assembly(assembly, assemblies.find(assembly, options.fmus))
 
 
 def _tables(options: argparse.Namespace) -> int:

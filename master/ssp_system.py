@@ -1,0 +1,204 @@
+"""What an SSP archive holds of a coupled system: its FMUs, what the master sets in each before a march, the wires, the times.
+
+Nothing is worked out here. The system is built and initialised by the code that marches it (`FlutterRig`, `assembly.build`), and
+what that code has set in each FMU (`Component.given`) is what the archive says; the trim loads of a section are those of its own
+steady flow. Inputs get as start values what their wires carry at the start, so that a host which exchanges nothing before the
+first step starts from the same state.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from master import assembly as assemblies
+from master import case as cases
+from master import flutter, slosh
+from master.assembly import Assembly
+from master.case import Case, Coupling
+from master.errors import AeroSloshError
+from master.rig import FlutterRig
+from master.system import System, Wire
+
+NANO = 1e-9  # s: libcosim counts time in whole nanoseconds
+PREDICTION = "load_prediction"  # the structure's own extrapolation of its loads, for hosts that do not predict
+
+
+@dataclass(frozen=True)
+class Part:
+    """A component: its FMU, FMPy's description of it, and `values`: parameters and start values of inputs, SI units."""
+
+    name: str
+    path: Path
+    sha256: str
+    description: Any
+    values: dict[str, float | int | bool | str]
+
+    @property
+    def variables(self) -> dict[str, Any]:
+        """Name → FMPy's model variable."""
+        return {v.name: v for v in self.description.modelVariables}
+
+
+@dataclass(frozen=True)
+class Coupled:
+    """A coupled system for export.
+
+    start, dt, steps   of the run [s]; `dt` is a whole number of nanoseconds
+    settings           the resolved case or system file; `notes` what of it no SSP tool is told"""
+
+    name: str
+    description: str
+    parts: list[Part]
+    wires: list[Wire]
+    start: float
+    dt: float
+    steps: int
+    settings: str
+    notes: list[str]
+
+    @property
+    def stop(self) -> float:
+        """End of the run [s]."""
+        return self.start + self.steps * self.dt
+
+    @property
+    def settings_sha256(self) -> str:
+        """Of the resolved settings."""
+        return hashlib.sha256(self.settings.encode()).hexdigest()
+
+
+def from_case(
+    case: Case, fmus: dict[str, Path], prediction: str = "none", say: Callable[[str], None] = lambda text: None
+) -> Coupled:
+    """The flutter system of `case` at its Mach number and V_f; solves the steady flow, for the trim.
+
+    `prediction`: the structure's parameter `load_prediction` (none or linear). Raises AeroSloshError for settings that change the
+    motion and that an archive cannot hold, ComponentError when an FMU fails."""
+    _refuse(case.coupling, "the case")
+    with FlutterRig(case, fmus, case.flow.mach, say=say) as rig:
+        s = rig.start(case.flutter.V_f)
+        parts = _parts(rig.system)
+        structure = next(part for part in parts if part.name == rig.structure.name)
+        if prediction != "none":  # the FMU's own value; written out it would only make libcosim warn
+            structure.values[PREDICTION] = _item(structure, PREDICTION, prediction)
+        connections = rig.system.wires
+    notes = [*_notes(case.coupling), *_limits(parts)]
+    if case.flutter.forced_cycles == 0.0:  # a forced phase starts from rest and is not moved by loads
+        notes += _starts(parts)
+    if case.slosh.predictor != "none" and case.slosh.model != "frozen":
+        notes.append(
+            f"slosh.predictor = {case.slosh.predictor} is left out: one FMU foretelling another's loads is no part of SSP."
+        )
+    if case.slosh.split == "none" and case.slosh.model not in ("none", "frozen"):
+        notes.append(
+            "slosh.split = none exchanges the liquid's whole load: late by a step it damps, and diverges where it is heavy."
+        )
+    liquid = slosh.LABEL[case.slosh.model]
+    protocol = "forced pitch, release, free motion" if case.flutter.forced_cycles > 0.0 else "free motion"
+    about = f"Wing section at Mach {case.flow.mach:g}, V_f {case.flutter.V_f:g}, {liquid}: {protocol}."
+    steps = flutter.length(case, s)[1]
+    return Coupled(case.name, about, parts, connections, 0.0, _whole(s.dt), steps, cases.dump(case), notes)
+
+
+def from_assembly(assembly: Assembly, fmus: dict[str, Path]) -> Coupled:
+    """The system of a system file. Raises as `from_case`."""
+    _refuse(assembly.coupling, str(assembly.path))
+    system = assemblies.build(assembly, fmus)
+    try:
+        system.initialize(assembly.run.start)
+        parts = _parts(system)
+    finally:
+        system.close()
+    left_out = [
+        f"components.{name} is left out: one FMU foretelling '{part.predicts}' is no part of SSP."
+        for name, part in assembly.components.items()
+        if part.predicts
+    ]
+    notes = [*_notes(assembly.coupling), *left_out, *_limits(parts), *_starts(parts)]
+    about = f"{assembly.name}: {', '.join(f'{part.name} ({part.path.stem})' for part in parts)}"
+    run = assembly.run
+    settings = assemblies.dump(assembly)
+    return Coupled(assembly.name, about, parts, system.wires, run.start, _whole(assembly.dt), assembly.steps, settings, notes)
+
+
+def _parts(system: System) -> list[Part]:
+    """The components of an initialised system, in the order of their names: a host's order may not matter."""
+    wired = {wire.target for wire in system.wires}
+    parts = []
+    for component in sorted(system.components, key=lambda c: c.name):
+        values = dict(component.given)
+        for name, position in component.input_index.items():
+            value = float(component.inputs.values[position])
+            if f"{component.name}.{name}" in wired and (name in values or value != float(component.variables[name].start or 0.0)):
+                values[name] = value
+        parts.append(Part(component.name, component.path, component.sha256, component.description, values))
+    return parts
+
+
+def _whole(dt: float) -> float:
+    """`dt` [s] in whole nanoseconds. Raises AeroSloshError below one."""
+    count = round(dt / NANO)
+    if count < 1:
+        raise AeroSloshError(f"The step is {dt:g} s", "run.step", "give a step of at least a nanosecond: SSP tools count in them")
+    return count / 1e9  # correctly rounded, what a tool that counts nanoseconds makes of them; count * 1e-9 is not
+
+
+def _item(part: Part, name: str, word: str) -> int:
+    """The number of an enumeration's item. Raises AeroSloshError where the FMU has none of that name."""
+    variable = part.variables.get(name)
+    items = {item.name: int(item.value) for item in getattr(getattr(variable, "declaredType", None), "items", None) or []}
+    if word not in items:
+        known = f"it has {', '.join(items)}" if items else "rebuild old FMUs with `make fmus`"
+        raise AeroSloshError(f"{part.name} has no {name} '{word}'", str(part.path), known)
+    return items[word]
+
+
+def _refuse(coupling: Coupling, where: str) -> None:
+    """Settings without which the motion would be another one."""
+    for table in ("substeps", "waveform"):
+        if content := getattr(coupling, table):
+            raise AeroSloshError(
+                f"SSP cannot carry coupling.{table} = {content}: every tool steps each FMU once a step with its last inputs",
+                f"{where}, key coupling.{table}",
+                f"leave it out (--set 'coupling.{table}={{}}'), and give a smaller step if one component needs it",
+            )
+
+
+def _notes(coupling: Coupling) -> list[str]:
+    """What the archive does not say of the coupling."""
+    way = "repeats each step until the loads agree" if coupling.scheme == "implicit" else "passes loads on once a step"
+    notes = [
+        f"coupling.scheme = {coupling.scheme} ({way}) and predictor_order = {coupling.predictor_order} are no part of SSP: every "
+        "tool exchanges values in its own way, usually all at once after each step (Jacobi), late by a step each way. That adds "
+        "a growth rate in proportion to the step: run two steps and extrapolate (docs/ssp.md)."
+    ]
+    if coupling.scheme == "implicit":
+        notes.append("A system that needs implicit coupling may diverge in such a tool, at any step.")
+    return notes
+
+
+def _limits(parts: list[Part]) -> list[str]:
+    """Values that not every tool can give to the FMUs."""
+    notes = []
+    for part in parts:
+        for name, value in part.values.items():
+            full, variable = f"{part.name}.{name}", part.variables[name]
+            if variable.type == "Enumeration":
+                notes.append(f"{full} is an enumeration, which libcosim and ecos pass over: there the FMU's own value holds.")
+            elif variable.type == "String" and value != (variable.start or ""):
+                notes.append(f"{full} is a text, which FMPy's SSP simulation cannot set.")
+                if Path(str(value)).is_file():
+                    notes.append(f"{full} = {value} is a file of this machine, which is not in the archive.")
+    return notes
+
+
+def _starts(parts: list[Part]) -> list[str]:
+    """Inputs that do not start at 0."""
+    names = [f"{part.name}.{n}" for part in parts for n, v in part.values.items() if part.variables[n].causality == "input" and v]
+    if not names:
+        return []
+    return [f"FMPy's SSP simulation gives 0 to every input in its first step, and these start elsewhere: {', '.join(names)}."]

@@ -1,0 +1,272 @@
+"""What stands in an archive, what is refused, and the command."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import math
+import os
+import sys
+import zipfile
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import pytest
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+from master import cli, ssp, ssp_system, ssp_units
+from master.component import Component
+from master.errors import AeroSloshError, ExitCode
+from master.rig import FlutterRig
+from master.similarity import scales
+from master.ssp_system import Coupled, Part
+
+sys.path.insert(0, str(Path(__file__).parent))
+from ssp_marches import ROOT, SMALL, Fmu, files, small
+
+NS = {prefix: f"{{{uri}}}" for prefix, uri in ssp.SPACES.items()}
+
+
+@pytest.fixture(scope="module")
+def coupled(fmu: Fmu) -> Coupled:
+    case = small("ems")
+    return ssp_system.from_case(case, files(fmu, case))
+
+
+@pytest.fixture(scope="module")
+def folder(fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The product's FMUs, up to date, in one folder."""
+    place = tmp_path_factory.mktemp("fmus")
+    for name in ("structure", "aero", "slosh_ems"):
+        os.symlink(fmu(name), place / f"{name}.fmu")
+    return place
+
+
+def unpacked(data: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def values(content: dict[str, bytes], component: str) -> dict[str, tuple[str, str, str | None]]:
+    """Name → type, text and unit of a component's parameters."""
+    found = {}
+    for parameter in ET.fromstring(content[f"resources/{component}.ssv"]).iter(f"{NS['ssv']}Parameter"):
+        kind = parameter[0]
+        found[parameter.get("name", "")] = (kind.tag.removeprefix(NS["ssv"]), kind.get("value", ""), kind.get("unit"))
+    return found
+
+
+def test_content(coupled: Coupled, tmp_path: Path) -> None:
+    """The files, FMUs byte for byte, and both kinds of description valid by the schemas of SSP 1.0."""
+    path = tmp_path / "a.ssp"
+    ssp.write(coupled, path)
+    content = unpacked(path.read_bytes())
+    names = ["aero.fmu", "aero.ssv", "slosh.ssv", "slosh_ems.fmu", "structure.fmu", "structure.ssv"]
+    wanted = ["SystemStructure.ssd", "extra/aeroslosh/settings.toml", *(f"resources/{name}" for name in names)]
+    assert list(content) == wanted
+    with zipfile.ZipFile(path) as archive:
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+    for part in coupled.parts:
+        assert content[f"resources/{part.path.name}"] == part.path.read_bytes()
+        assert read_ssv(str(path), f"resources/{part.name}.ssv", validate=True).name == "initialValues"
+    description = read_ssd(str(path), validate=True)
+    assert [element.name for element in description.system.elements] == ["aero", "slosh", "structure"]
+    assert [p.name for p in tmp_path.iterdir()] == ["a.ssp"]  # no temporary file stays
+
+
+def test_values(coupled: Coupled) -> None:
+    """Numbers that a person can check: Isogai's ratios, the frozen liquid (800 kg/m3 in half of 0.5 m x 0.15 m), the trim."""
+    case = small("ems")
+    s = scales(case, 0.8, 0.7)
+    content = unpacked(ssp.archive(coupled))
+    structure, aero, tank = (values(content, name) for name in ("structure", "aero", "slosh"))
+    mass = 60.0 * math.pi * 101325.0 / (287.05 * 288.15)
+    assert float(structure["mass"][1]) == pytest.approx(mass, rel=1e-12) and structure["mass"][2] == "kg/m"
+    assert float(structure["omega_alpha"][1]) == s.omega_alpha and structure["omega_alpha"][2] == "rad/s"
+    assert float(structure["liquid_mass"][1]) == pytest.approx(30.0, rel=1e-12)
+    assert float(structure["liquid_static_moment"][1]) == pytest.approx(54.0, rel=1e-12)
+    assert structure["trim_lift"] == structure["lift"] and structure["trim_lift"][2] == "N/m"  # residual loads rest at 0
+    assert aero["mach"] == ("Real", "0.8", "1") and aero["cells_around"] == ("Integer", "64", None)
+    assert tank["liquid_density"] == ("Real", "800.0", "kg/m3") and tank["tank_x"][1] == "1.8"
+    assert "airfoil" not in aero  # the FMU's own: FMPy sets no texts
+
+
+def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None:
+    """A fresh FMU with the archive's values has every parameter that the master's own has."""
+    case = small("ems")
+    content = unpacked(ssp.archive(coupled))
+    with FlutterRig(case, files(fmu, case), 0.8) as rig:
+        rig.start(0.7)
+        for part in coupled.parts:
+            fresh = Component(part.path, part.name)
+            for name, (kind, text, _) in values(content, part.name).items():
+                fresh.set(name, {"Real": float, "Integer": int, "Boolean": "true".__eq__, "String": str}[kind](text))
+            for variable in part.variables.values():
+                if variable.causality == "parameter":
+                    assert fresh.get(variable.name) == rig.system[part.name].get(variable.name), variable.name
+            fresh.close()
+
+
+def test_units(coupled: Coupled) -> None:
+    """Every Real has a unit that is defined in its own file, by base units; both ends of a connection have the same."""
+    content = unpacked(ssp.archive(coupled))
+    root = ET.fromstring(content["SystemStructure.ssd"])
+    for tree in (root, *(ET.fromstring(content[f"resources/{part.name}.ssv"]) for part in coupled.parts)):
+        defined = {unit.get("name") for unit in tree.iter(f"{NS['ssc']}Unit")}
+        used = [e.get("unit") for space in ("ssc", "ssv") for e in tree.iter(f"{NS[space]}Real")]
+        assert used and set(used) <= defined
+    base = {unit.get("name"): unit[0].attrib for unit in root.iter(f"{NS['ssc']}Unit")}
+    assert base["N/m"] == {"kg": "1", "s": "-2"} and base["kg.m"] == {"kg": "1", "m": "1"} and base["1"] == {}
+    ends = {
+        f"{component.get('name')}.{connector.get('name')}": (connector.get("kind"), connector[0].get("unit"))
+        for component in root.iter(f"{NS['ssd']}Component")
+        for connector in component.iter(f"{NS['ssd']}Connector")
+    }
+    connections = list(root.iter(f"{NS['ssd']}Connection"))
+    assert len(connections) == len(coupled.wires) == 16
+    for c in connections:
+        a, b = (ends[f"{c.get(f'{end}Element')}.{c.get(f'{end}Connector')}"] for end in ("start", "end"))
+        assert (a[0], b[0]) == ("output", "input") and a[1] == b[1]
+    wired = {wire.target for wire in coupled.wires}
+    assert {name for name, (kind, _) in ends.items() if kind == "input"} == wired  # FMPy mistakes any other
+
+
+def test_step_and_origin(coupled: Coupled) -> None:
+    """Where the step stands, and what the archive says of where it comes from."""
+    content = unpacked(ssp.archive(coupled))
+    root = ET.fromstring(content["SystemStructure.ssd"])
+    s = scales(small("ems"), 0.8, 0.7)
+    assert coupled.dt == pytest.approx(s.dt, abs=0.5e-9) and coupled.dt * 1e9 == pytest.approx(round(coupled.dt * 1e9), abs=1e-6)
+    experiment = root.find(f"{NS['ssd']}DefaultExperiment")
+    assert experiment is not None and experiment.get("startTime") == "0.0"
+    assert float(experiment.get("stopTime", "")) == pytest.approx(2.25 * s.period, rel=0.01)
+    algorithm = next(root.iter(f"{NS['osp']}FixedStepAlgorithm"))
+    assert float(algorithm.get("baseStepSize", "")) == pytest.approx(coupled.dt, rel=1e-14)
+    export = next(root.iter(f"{NS['aeroslosh']}Export"))
+    assert float(export.get("step", "")) == coupled.dt and int(export.get("steps", "")) == coupled.steps
+    assert export.get("settings_sha256") == hashlib.sha256(content["extra/aeroslosh/settings.toml"]).hexdigest()
+    hashes = {fmu.get("component"): fmu.get("sha256") for fmu in export}
+    assert hashes["aero"] == hashlib.sha256(content["resources/aero.fmu"]).hexdigest()
+    assert root.get("generationTool", "").startswith("aeroslosh ") and repr(coupled.dt) in root.get("description", "")
+    assert "no part of SSP" in root.get("description", "")
+
+
+def test_step_is_not_cut_short() -> None:
+    """libcosim cuts off what is below a nanosecond of the number it reads."""
+    for count in [*range(1000000, 1000200), 872665, 1455168, 10_000_000, 333_333_333]:
+        assert int(ssp._not_cut_short(count / 1e9) * 1e9) == count
+
+
+def test_same_system_same_bytes(coupled: Coupled, fmu: Fmu) -> None:
+    """Two exports are one file; another V_f is another."""
+    case = small("ems")
+    assert ssp.archive(coupled) == ssp.archive(ssp_system.from_case(case, files(fmu, case)))
+    other = small("ems", "flutter.V_f=0.71")
+    assert ssp.archive(coupled) != ssp.archive(ssp_system.from_case(other, files(fmu, other)))
+
+
+def test_command(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A case with Mach number, V_f and load prediction of the command line."""
+    changes = [word for key in SMALL for word in ("--set", key)]
+    target = tmp_path / "new" / "a.ssp"
+    words = ["export", "ssp", str(ROOT / "cases" / "paper_s.toml"), *changes, "--fmus", str(folder), "--out", str(target)]
+    assert cli.run([*words, "--slosh", "frozen", "--mach", "0.75", "--vf", "0.65", "--load-prediction", "linear", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    content = unpacked(target.read_bytes())
+    assert values(content, "aero")["mach"][1] == "0.75" and values(content, "structure")["load_prediction"][:2] == (
+        "Integer",
+        "1",
+    )
+    assert set(data["components"]) == {"aero", "structure"} and len(data["connections"]) == 8
+    assert "liquid_mass" in values(content, "structure")
+    assert data["step"] == pytest.approx(scales(small("none"), 0.75, 0.65).dt, abs=1e-9) and data["stop"] > 0
+    assert data["settings_sha256"] == hashlib.sha256(content["extra/aeroslosh/settings.toml"]).hexdigest()
+    assert not any("first step" in note for note in data["notes"])  # it starts from rest
+    assert any("libcosim" in note for note in data["notes"]) and any("gauss-seidel" in note for note in data["notes"])
+    assert cli.run(words) == ExitCode.OK
+    assert repr(data["step"])[:4] in capsys.readouterr().out  # people are told the step too
+
+
+def test_system_file(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The example of `aeroslosh run`: all its parameters, and a warning that its loop is strong."""
+    target = tmp_path / "stand.ssp"
+    file = ROOT / "cases" / "tank_on_springs.toml"
+    assert cli.run(["export", "ssp", str(file), "--fmus", str(folder), "--out", str(target), "--json"]) == ExitCode.OK
+    data = json.loads(capsys.readouterr().out)
+    content = unpacked(target.read_bytes())
+    assert data["step"] == 0.01 and data["stop"] == 20.0 and data["steps"] == 2000
+    stand = values(content, "stand")
+    assert stand["omega_alpha"] == ("Real", "5.6", "rad/s") and stand["initial_alpha"][1] == "0.02"
+    assert float(values(content, "tank")["alpha"][1]) == 0.02  # an input's start value
+    assert values(content, "tank")["modes"] == ("Integer", "5", None)
+    assert any("may diverge" in note for note in data["notes"])
+    assert any("FMPy" in note and "tank.alpha" in note and "tank.h_dot" not in note for note in data["notes"])
+    read_ssd(str(target), validate=True)
+
+
+def test_two_fmus_of_one_name(coupled: Coupled) -> None:
+    """Different files of one name lie under their components' names, the same file lies there once."""
+    a, b, c = coupled.parts
+    first, second = (Part(n, Path(f"{n}/x.fmu"), sha, p.description, {}) for n, sha, p in (("a", "1", a), ("b", "2", b)))
+    twice = Coupled("n", "", [first, second], [], 0.0, 1e-3, 1, "", [])
+    assert [ssp._source(p, twice) for p in twice.parts] == ["resources/a.fmu", "resources/b.fmu"]
+    same = Coupled("n", "", [first, Part("c", Path("c/x.fmu"), "1", c.description, {})], [], 0.0, 1e-3, 1, "", [])
+    assert {ssp._source(p, same) for p in same.parts} == {"resources/x.fmu"}
+
+
+def test_one_name_for_two_units(coupled: Coupled) -> None:
+    """Refused, naming both."""
+    fake: Any = SimpleNamespace(kg=0, m=2, s=0, A=0, K=0, mol=0, cd=0, rad=0, factor=1.0, offset=0.0)
+    other = SimpleNamespace(unitDefinitions=[SimpleNamespace(name="m", baseUnit=fake)])
+    with pytest.raises(AeroSloshError, match="'m' is one unit in aero and another in foreign"):
+        ssp_units.of_parts([coupled.parts[0], Part("foreign", Path("f.fmu"), "", other, {})])
+    fake.m, fake.factor = 1, 0.001
+    scaled = SimpleNamespace(
+        unitDefinitions=[SimpleNamespace(name="mm", baseUnit=fake), SimpleNamespace(name="?", baseUnit=None)]
+    )
+    assert ssp_units.of_parts([Part("foreign", Path("f.fmu"), "", scaled, {})]) == {"mm": {"m": "1", "factor": "0.001"}}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["cases/paper_s.toml", "--set", "coupling.substeps={ aero = 2 }"], "SSP cannot carry coupling.substeps"),
+        (["cases/paper_s.toml", "--set", "coupling.waveform={ aero = 'linear' }"], "SSP cannot carry coupling.waveform"),
+        (["cases/tank_on_springs.toml", "--vf", "0.7"], "--vf belongs to a flutter case"),
+        (["cases/tank_on_springs.toml", "--load-prediction", "linear"], "--load-prediction belongs to a flutter case"),
+        (["cases/tank_on_springs.toml", "--out", "stand.zip"], "by its ending"),
+        (["cases/tank_on_springs.toml", "--set", "run.step=1e-10", "--set", "run.end=1e-9"], "at least a nanosecond"),
+        (["cases/tank_on_springs.toml", "--out", "/dev/null/a.ssp"], "cannot be written"),
+        (["cases/missing.toml"], "cannot be read"),
+        (["cases/paper_s.toml", "--slosh", "soup"], "not available"),
+    ],
+)
+def test_refused(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], said: str) -> None:
+    """What is wrong and what to do."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(AeroSloshError) as caught:
+        cli.run(["export", "ssp", str(ROOT / words[0]), *words[1:], "--fmus", str(folder)])
+    assert said in str(caught.value) and caught.value.remedy and caught.value.code == ExitCode.INPUT
+    assert not list(tmp_path.iterdir())
+
+
+def test_notes_of_values_that_tools_cannot_set(coupled: Coupled, tmp_path: Path) -> None:
+    """Texts, files and enumerations."""
+    file = tmp_path / "wing.dat"
+    file.write_text("x")
+    aero, _, structure = coupled.parts
+    told = Part("aero", aero.path, "", aero.description, {"airfoil": str(file), "mach": 0.7})
+    assert len(notes := ssp_system._limits([told])) == 2 and "FMPy" in notes[0] and str(file) in notes[1]
+    assert not ssp_system._limits(coupled.parts)
+    linear = Part("structure", structure.path, "", structure.description, {"load_prediction": 1})
+    assert "libcosim and ecos pass over" in ssp_system._limits([linear])[0]
+
+
+def test_structure_without_prediction(coupled: Coupled) -> None:
+    """An old or foreign structure FMU."""
+    aero = coupled.parts[0]
+    with pytest.raises(AeroSloshError, match="aero has no load_prediction 'linear'"):
+        ssp_system._item(aero, "load_prediction", "linear")
