@@ -95,7 +95,7 @@ class Surrogate:
         return State(w, still(), self._told(out, motion, 0.0, 0.0))
 
     def advance(self, state: State, start: Array, end: Array, duration: float) -> State:
-        """After a step of `duration` [s] between two motions. Raises NetworkError for one that turns waves too often to follow."""
+        """After a step of `duration` [s] between two motions. Raises NetworkError for one too long to follow waves."""
         longest = MOST_TURNS / float(self.waves.omega[-1])
         if not duration <= longest:
             raise NetworkError(

@@ -16,7 +16,7 @@ MODES = ("created", "initializing", "running", "terminated")
 
 
 def case_calls_in_every_order(folder: str) -> None:
-    """All orders of five calls: allowed ones work, forbidden ones fail until a reset, and a reset runs as a fresh instance does."""
+    """All orders of five calls: allowed ones work, forbidden ones fail until a reset, which makes a fresh instance."""
     one = Raw(folder)
     length = 3 if one.description.modelName == "aero" else 4
     fresh = start_up(Raw(folder))

@@ -169,7 +169,7 @@ def case_references_of_another_type(folder: str) -> None:
         for type_ in TYPES:
             for other in TYPES:
                 references = [v.valueReference for v in one.variables.values() if kind(v) == other]
-                if other != type_:
+                if other != type_ and references:
                     refused(one, state, type_, references[:1], references[0])
 
 

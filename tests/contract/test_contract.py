@@ -1,4 +1,4 @@
-"""Every case of cases_*.py on each of the five FMUs: calls in allowed and forbidden orders, bad values, states, many instances."""
+"""Every case of cases_*.py on each of the five FMUs: calls in any order, bad values, states, many instances."""
 
 from __future__ import annotations
 
