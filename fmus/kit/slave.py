@@ -167,8 +167,8 @@ class Slave(Failing, Fmi2Slave):
 
     @quiet
     def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
-        """Note the start time and, if given, the stop time [s]. pythonfmu calls it when initialisation mode is entered."""
-        self._expect(CREATED, "enter initialisation mode")
+        """Note the start time and, if given, the stop time [s]."""
+        self._expect(CREATED, "set up an experiment")
         if not math.isfinite(start_time):
             raise StepError(f"start time {start_time} is not finite. Remedy: give a finite start time")
         if stop_time is not None and not stop_time >= start_time:

@@ -57,6 +57,7 @@ def case_forbidden_calls_say_what_to_do(folder: str) -> None:
     for calls, words in (
         (("leave",), "asked to leave initialisation mode while created. Remedy: enter initialisation mode first"),
         (("enter", "enter"), "asked to enter initialisation mode while initializing. Remedy: leave initialisation mode first"),
+        (("enter", "setup"), "asked to set up an experiment while initializing"),
         (("enter", "leave", "enter"), "asked to enter initialisation mode while running. Remedy: step, or reset"),
         (("enter", "leave", "leave"), "asked to leave initialisation mode while running"),
         (("terminate", "enter"), "while terminated. Remedy: reset this instance to start anew, or restore a state"),
