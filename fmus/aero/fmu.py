@@ -18,8 +18,8 @@ from .mesh import o_mesh
 
 SOUND_STEP = 0.8
 """Longest internal step in chords that sound travels."""
-MOST_PARTS = 100_000
-"""Most internal steps of a communication step: minutes even on the coarsest mesh."""
+MOST_PARTS = 10_000
+"""Most internal steps of a communication step: a minute or so."""
 
 
 class Aero(Slave):

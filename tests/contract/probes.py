@@ -1,6 +1,7 @@
 """What only pythonfmu's binary could guard, tried in a process of its own: `python probes.py <probe> <unzip folder>`.
 
-Each prints what came of it; a signal ends the process. `test_probes.py` holds what fmus/kit/README.md says of them.
+Each prints what came of it; a signal ends the process. `test_probes.py` holds what fmus/kit/README.md says of them, less those
+that use freed memory: these end in a signal mostly, not always.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ def instantiate(folder: str, **changes: Any) -> Any:
     good = Raw(folder)
     arguments = {
         "name": b"probe", "type": CO_SIMULATION, "guid": good.description.guid.encode(),
-        "resources": (Path(folder) / "resources").as_uri().encode(), "callbacks": c.byref(good.callbacks), "visible": 0, "logging": 1,
+        "resources": (Path(folder) / "resources").as_uri().encode(), "callbacks": c.byref(good.callbacks),
+        "visible": 0, "logging": 1,
     }  # fmt: skip
     return library(folder).fmi2Instantiate(*{**arguments, **changes}.values())
 
