@@ -1,7 +1,7 @@
 """What only pythonfmu's binary could guard, tried in a process of its own: `python probes.py <probe> <unzip folder>`.
 
 Each prints what came of it; a signal ends the process. `test_probes.py` holds what fmus/kit/README.md says of them, less those
-that use freed memory: these end in a signal mostly, not always.
+that read memory which is freed or not theirs: these end in a signal mostly, not always.
 """
 
 from __future__ import annotations

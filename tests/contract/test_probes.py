@@ -14,7 +14,7 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 ENDS = ("null_resources", "no_such_resources", "null_name", "name_not_utf8", "null_logger", "callbacks_gone", "null_component",
-        "null_pointers_with_a_count", "serialise_into_too_much", "null_category")  # fmt: skip
+        "null_pointers_with_a_count", "null_category")  # fmt: skip
 ANSWERS = {
     "wrong_guid": "True",
     "model_exchange": "True",
