@@ -254,3 +254,28 @@ def case_names_of_instances(folder: str) -> None:
         one.step(0.0, STEP)
         one.assert_failed()
         one.free()
+
+
+def case_looking_at_outputs_while_initializing_changes_nothing(folder: str) -> None:
+    """Outputs read for other inputs and parameters on the way to the start leave no trace in it."""
+    parameter = {"structure": "omega_h", "aero": "mach", "slosh_ems": "gravity"}.get(
+        raw.description(folder).modelName, "liquid_density"
+    )
+    direct = prepared(Raw(folder, "direct"))
+    assert (direct.setup(), direct.enter()) == (OK, OK)
+    drive(direct, 0)
+    assert direct.leave() == OK
+    first = raw.bits(direct.outputs())
+    wanted = march(direct, 0, 3)
+    one = prepared(Raw(folder))
+    assert (one.setup(), one.enter()) == (OK, OK)
+    good = one[parameter]
+    for step, value in ((5, good), (9, 0.9 * good), (0, 0.95 * good), (0, good)):
+        drive(one, step)
+        one[parameter] = value
+        shown = raw.bits(one.outputs())
+        assert (shown == first) is (step == 0 and value == good)
+        assert raw.bits(one.outputs()) == shown
+    assert one.leave() == OK
+    assert raw.bits(one.outputs()) == first
+    assert march(one, 0, 3) == wanted
