@@ -18,6 +18,8 @@ from .mesh import o_mesh
 
 SOUND_STEP = 0.8
 """Longest internal step in chords that sound travels."""
+MOST_PARTS = 10_000
+"""Most internal steps of a communication step: a minute or so."""
 
 
 class Aero(Slave):
@@ -82,6 +84,11 @@ class Aero(Slave):
         start, end = self.motion, self._motion()
         stream = self.stream
         travel = max(step_size * stream.speed / self.max_step, step_size * stream.sound_speed / SOUND_STEP) / self.chord
+        if not travel < MOST_PARTS:
+            raise StepError(
+                f"a communication step of {step_size:g} s takes {travel:.3g} internal steps, at most {MOST_PARTS} are made. "
+                "Remedy: shorter communication steps"
+            )
         parts = max(1, math.ceil(travel - 1e-9))
         dt = stream.scaled_time(step_size / parts)
         for part in range(1, parts + 1):

@@ -20,6 +20,11 @@ FAILURE_OUTPUTS = (
     output("error", "", "What failed and the remedy, in one line; empty while all is well", type=str),
 )
 
+_REMEDY = (
+    "Remedy: look at parameters, inputs and step size for values out of all proportion, restore an earlier state or reset; "
+    "the FMI log has the traceback"
+)
+
 
 class StepError(RuntimeError):
     """A step or a start that cannot be done; the text says what and the remedy. For components to raise."""
@@ -59,7 +64,7 @@ class Failing:
     def message(self) -> str:
         """Why this instance cannot go on, in one line; "" while all is well."""
         why = self._failure or " ".join(self._refused.values())
-        return f"{self.instance_name}: {why}" if why else ""  # type: ignore[attr-defined]
+        return f"{' '.join(self.instance_name.split())}: {why}" if why else ""  # type: ignore[attr-defined]
 
     def fail(self, where: str, exception: BaseException) -> None:
         """Note `exception` of callback `where`, with its traceback in the FMI log."""
@@ -67,6 +72,7 @@ class Failing:
             text = str(exception) or type(exception).__name__
             kind = "" if isinstance(exception, StepError) else f"{type(exception).__name__}: "
             what = " ".join(f"{kind}{text}".split())
+            what = what if "Remedy:" in what else f"{what.rstrip('.')}. {_REMEDY}"
             self._failure = self._failure or what
             self.report(f"{where} at t = {self.time!r} s: {what}\n{traceback.format_exc()}")  # type: ignore[attr-defined]
         except BaseException:  # a message must not end the process either
@@ -80,4 +86,6 @@ class Failing:
     def report(self, text: str) -> None:
         """Send `text` to the FMI log with status error."""
         # hosts print FMI log texts through printf
-        self.log(f"{self.instance_name}: {text}".replace("%", "%%"), Fmi2Status.error)  # type: ignore[attr-defined]
+        # … and the binary cannot encode half a surrogate pair
+        text = f"{self.instance_name}: {text}".replace("%", "%%").encode(errors="replace").decode()  # type: ignore[attr-defined]
+        self.log(text, Fmi2Status.error)  # type: ignore[attr-defined]

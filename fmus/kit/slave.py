@@ -24,6 +24,8 @@ instance is reset.
 
 from __future__ import annotations
 
+import functools
+import gc
 import inspect
 import math
 from pathlib import Path
@@ -38,7 +40,28 @@ from .state import State, check
 from .variables import UNSET, Value, Variable
 
 CREATED, INITIALIZING, RUNNING, TERMINATED = "created", "initializing", "running", "terminated"
+_WAY = {
+    CREATED: "enter initialisation mode first",
+    INITIALIZING: "leave initialisation mode first",
+    RUNNING: "step, or reset this instance to start anew",
+    TERMINATED: "reset this instance to start anew, or restore a state",
+}
+"""What is to be done next in a mode, for a host that asked for something else."""
 _REGISTER = {"Real": Real, "Integer": Integer, "Boolean": Boolean, "String": String}
+
+
+class _ByReference(dict[int, Any]):
+    """What belongs to the variables of one type, by value reference."""
+
+    def __init__(self, type_: str) -> None:
+        self.type = type_
+
+    def __missing__(self, reference: int) -> Any:
+        # the binary hands references on as signed numbers
+        raise StepError(
+            f"there is no {self.type} variable with value reference {reference & 0xFFFFFFFF}. "
+            "Remedy: take references and types from modelDescription.xml of this very FMU"
+        )
 
 
 class Slave(Failing, Fmi2Slave):
@@ -82,6 +105,7 @@ class Slave(Failing, Fmi2Slave):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
+        cls.set_string = _SETTLED_SET_STRING  # type: ignore[method-assign, assignment]
         names = [variable.name for variable in (*cls.variables, *FAILURE_OUTPUTS)]
         if twice := {name for name in names if names.count(name) > 1}:
             raise TypeError(f"{cls.__name__}: variables declared twice: {', '.join(sorted(twice))}")
@@ -94,14 +118,15 @@ class Slave(Failing, Fmi2Slave):
         self.time = 0.0
         self.declared: tuple[Variable, ...] = (*self.variables, *FAILURE_OUTPUTS)
         self._mode = CREATED
+        self._stop_time = math.inf  # of this instance's experiment, no part of a state: a restart may go further
         self._stale = True  # a variable was set since `initialize` ran
         # fixed parameters, in order
         self._fixed = {v.name: None for v in self.variables if v.causality == "parameter" and not v.tunable}
         self._prepared: tuple[Value, ...] | None = None  # the parameters that `prepare` ran for
-        self._references: dict[str, dict[int, Variable]] = {name: {} for name in _REGISTER}
+        self._references = {name: _ByReference(name) for name in _REGISTER}
         # what a step goes through, ready made: Real inputs with their ranges, names by reference, Real outputs
         self._ranges: dict[int, tuple[str, float, float]] = {}
-        self._names: dict[str, dict[int, str]] = {name: {} for name in _REGISTER}
+        self._names = {name: _ByReference(name) for name in _REGISTER}
         self._results: list[str] = []
         for reference, variable in enumerate(self.declared):
             if variable.name in self.__dict__:
@@ -142,23 +167,35 @@ class Slave(Failing, Fmi2Slave):
 
     @quiet
     def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
-        """Note the start time [s]."""
+        """Note the start time and, if given, the stop time [s]."""
+        self._expect(CREATED, "set up an experiment")
         if not math.isfinite(start_time):
             raise StepError(f"start time {start_time} is not finite. Remedy: give a finite start time")
+        if stop_time is not None and not stop_time >= start_time:
+            raise StepError(
+                f"stop time {stop_time} s is not after the start time {start_time} s. Remedy: give a later one, or none at all"
+            )
         self.time = float(start_time)
+        self._stop_time = math.inf if stop_time is None else float(stop_time)
 
     @quiet
     def enter_initialization_mode(self) -> None:
         """Allow `initialize` to run, as soon as an output is asked for or initialisation ends."""
+        self._expect(CREATED, "enter initialisation mode")
         self._mode, self._stale = INITIALIZING, True
 
     @quiet
     def exit_initialization_mode(self) -> None:
         """Run `initialize` unless it ran for these values already; parameters are fixed from here on."""
+        self._expect(INITIALIZING, "leave initialisation mode")
         if self._refused:
             raise StepError(f"not initialised, a value was refused: {' '.join(self._refused.values())}")
         self._initialize()
         self._mode = RUNNING
+
+    def _expect(self, mode: str, wish: str) -> None:
+        if self._mode != mode:
+            raise StepError(f"asked to {wish} while {self._mode}. Remedy: {_WAY[self._mode]}")
 
     def _initialize(self) -> None:
         if self._stale and not self.message:
@@ -174,16 +211,29 @@ class Slave(Failing, Fmi2Slave):
             self.report(f"step refused at t = {current_time!r} s: {self.message}")
             return False
         if self._mode != RUNNING:
-            raise StepError(f"step asked while {self._mode}. Remedy: leave initialisation mode first")
-        if not (math.isfinite(step_size) and step_size > 0.0):
+            self._expect(RUNNING, "step")
+        if not 0.0 < step_size < math.inf:
             raise StepError(f"step size {step_size} s. Remedy: give a finite step size above 0")
-        if abs(current_time - self.time) > 1e-6 * step_size:
+        # the clock of a host may differ by rounding; written so that NaN does not pass
+        rounding = 1e-6 * step_size + 1e-15 * abs(self.time)
+        if not abs(current_time - self.time) <= rounding:
             raise StepError(
                 f"step asked from t = {current_time!r} s but this instance stands at {self.time!r} s. "
                 "Remedy: restore the state of that time first"
             )
+        end = current_time + step_size
+        if not current_time < end < math.inf:
+            raise StepError(
+                f"a step of {step_size!r} s from t = {current_time!r} s ends at {end!r} s in floating-point numbers. "
+                "Remedy: give a step size that the time can resolve, or start at time 0"
+            )
+        if end > self._stop_time + rounding:
+            raise StepError(
+                f"a step from t = {current_time!r} s to {end!r} s goes past the stop time {self._stop_time!r} s that was "
+                "set up. Remedy: end the last step there, or set up a later stop time or none"
+            )
         self.step(current_time, step_size)
-        self.time = current_time + step_size
+        self.time = end
         self._check_outputs()
         return True
 
@@ -206,9 +256,10 @@ class Slave(Failing, Fmi2Slave):
 
     @quiet
     def terminate(self) -> None:
-        """End the run."""
-        self._mode = TERMINATED
-        self.finish()
+        """End the run; outputs stay as they are."""
+        ran, self._mode = self._mode in (INITIALIZING, RUNNING), TERMINATED
+        if ran:
+            self.finish()
 
     # -- variables --
 
@@ -253,7 +304,8 @@ class Slave(Failing, Fmi2Slave):
     @guarded(lambda vrs: [""] * len(vrs))
     def get_string(self, vrs: list[int]) -> list[str]:
         """Return Strings by value reference."""
-        return [str(value) for value in self._get("String", vrs)]
+        # the binary cannot encode half a surrogate pair and takes what is missing for a string
+        return [str(value).encode(errors="replace").decode() for value in self._get("String", vrs)]
 
     def _set(self, type_: str, vrs: list[int], new: list[Value]) -> None:
         declared, values = self._references[type_], self.__dict__
@@ -263,6 +315,8 @@ class Slave(Failing, Fmi2Slave):
             problem = variable.problem(value)
             if variable.causality == "output":
                 problem = f"output '{name}' cannot be set. Remedy: set parameters and inputs only"
+            elif self._mode == TERMINATED:
+                problem = f"{variable.causality} '{name}' set while terminated. Remedy: {_WAY[TERMINATED]}"
             elif name in self._fixed and self._mode == RUNNING and value != values[name]:
                 problem = f"parameter '{name}' is fixed. Remedy: set it before initialisation ends"
             if problem:
@@ -299,7 +353,10 @@ class Slave(Failing, Fmi2Slave):
 
     @quiet
     def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Set Strings by value reference."""
+        """Set Strings by value reference; a null pointer comes as None."""
+        # where bytes are no UTF-8 the binary leaves a hole in the list, which the garbage collector alone can look at
+        if len(gc.get_referents(values)) != len(values):
+            raise StepError("a string that was set is not encoded in UTF-8. Remedy: encode strings in UTF-8")
         self._set("String", vrs, list(values))
 
     # -- state --
@@ -326,6 +383,8 @@ class Slave(Failing, Fmi2Slave):
 
     @quiet
     def _set_fmu_state(self, state: State) -> None:
+        if not hasattr(state, "content_hash"):
+            raise StepError("this is no state of an aeroslosh FMU. Remedy: give each FMU its own state")
         if state.problem:
             raise StepError(f"this state cannot be restored: {state.problem}")
         check(state.component, state.content_hash, type(self).__name__, self.content_hash)
@@ -350,6 +409,23 @@ class Slave(Failing, Fmi2Slave):
             return State.from_bytes(bytes(data), cls.__name__, cls.content_hash)
         except BaseException as exception:
             return State(cls.__name__, cls.content_hash, problem=str(exception) or type(exception).__name__)
+
+
+def _settled_set_string(slave: Slave) -> Any:
+    """Return `Slave.set_string` of `slave`, with no Python error pending.
+
+    Where a host sets a string that is not UTF-8 (a path in the code page of its machine), pythonfmu 0.7 asks for the method with
+    the error of decoding pending: the look-up of any method fails, which ends the process. A property of the leaf class is found
+    all the same, and an exception that is raised and caught takes the place of the one pending.
+    """
+    try:
+        raise StepError
+    except BaseException:
+        pass
+    return functools.partial(Slave.set_string, slave)
+
+
+_SETTLED_SET_STRING = property(_settled_set_string)
 
 
 def _face(cls: type) -> type:

@@ -73,7 +73,9 @@ class Variable:
 
     def problem(self, value: Value | None) -> str:
         """Say in one sentence why `value` is refused, or return "" if it is allowed."""
-        if self.type in ("String", "Boolean"):
+        if self.type == "String":
+            return "" if isinstance(value, str) else f"{self.causality} '{self.name}' is no string. Remedy: give one"
+        if self.type == "Boolean":
             return ""
         if not isinstance(value, float | int) or (isinstance(value, float) and not math.isfinite(value)):
             return f"{self.causality} '{self.name}' = {value} is not a finite number. Remedy: {self._remedy()}"

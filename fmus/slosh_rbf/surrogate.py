@@ -16,6 +16,8 @@ from .network import Network, NetworkError, Weights, read_out
 from .readout import EVEN, ODD, SPACE, features
 
 NO_LAGS: Array = np.zeros(0)
+MOST_TURNS = 1e6
+"""Most radians of the fastest wave watched in one step: a few seconds of work."""
 SAME_SHAPE = 0.02
 """Relative difference of depth over length up to which a network holds: first-mode frequencies then differ by 1 %."""
 
@@ -93,7 +95,13 @@ class Surrogate:
         return State(w, still(), self._told(out, motion, 0.0, 0.0))
 
     def advance(self, state: State, start: Array, end: Array, duration: float) -> State:
-        """After a step of `duration` [s] between two motions."""
+        """After a step of `duration` [s] between two motions. Raises NetworkError for one too long to follow waves."""
+        longest = MOST_TURNS / float(self.waves.omega[-1])
+        if not duration <= longest:
+            raise NetworkError(
+                f"a communication step of {duration:g} s; the growth of waves is followed over at most {longest:.3g} s. Remedy: "
+                "shorter communication steps"
+            )
         step, waves, out = self.memory.step(duration), state.waves.copy(), np.empty(6)
         net = self.network
         w = _advance(state.w, waves, start, end, step, self.memory.place, self.waves, self.body, net.weights, net.reach, out)

@@ -135,6 +135,8 @@ class Flow:
         """March from one motion to another over `duration` [s]. Raises FlowError where the flow cannot be advanced."""
         if duration < step.SMALLEST_STEP:
             raise FlowError(f"a communication step of {duration:g} s. Remedy: at least {step.SMALLEST_STEP:g} s")
+        if duration > step.MOST_STEPS * self.numbers.max_step:  # said at once, not after as many steps
+            raise FlowError(_WORDS[step.TOO_MANY])
         if self.shared:  # a snapshot holds these arrays
             self.state, self.shared = self.state.copy(), False
         table = course(start, end, duration)
