@@ -4,6 +4,9 @@ Nothing is worked out here. The system is built and initialised by the code that
 what that code has set in each FMU (`Component.given`) is what the archive says; the trim loads of a section are those of its own
 steady flow. Inputs get as start values what their wires carry at the start, so that a host which exchanges nothing before the
 first step starts from the same state.
+
+SSP tools step Jacobi and extrapolate nothing. Where the master would (coupling.predictor_order above 0), the archive switches on
+the FMUs' own prediction: the tool then marches what our scheme "jacobi" with predictor_order 1 does.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ from master.rig import FlutterRig
 from master.system import System, Wire
 
 NANO = 1e-9  # s: libcosim counts time in whole nanoseconds
-PREDICTION = "load_prediction"  # the structure's own extrapolation of its loads, for hosts that do not predict
+PREDICTIONS = ("load_prediction", "motion_prediction")  # an FMU's own linear extrapolation of its inputs (fmus/kit/prediction.py)
 
 
 @dataclass(frozen=True)
@@ -72,21 +75,18 @@ class Coupled:
 
 
 def from_case(
-    case: Case, fmus: dict[str, Path], prediction: str = "none", say: Callable[[str], None] = lambda text: None
+    case: Case, fmus: dict[str, Path], prediction: str | None = None, say: Callable[[str], None] = lambda text: None
 ) -> Coupled:
     """The flutter system of `case` at its Mach number and V_f; solves the steady flow, for the trim.
 
-    `prediction`: the structure's parameter `load_prediction` (none or linear). Raises AeroSloshError for settings that change the
-    motion and that an archive cannot hold, ComponentError when an FMU fails."""
+    `prediction`: whether the FMUs foretell their inputs: none, linear, or (None) what coupling.predictor_order says. Raises
+    AeroSloshError for settings that change the motion and that an archive cannot hold, ComponentError when an FMU fails."""
     _refuse(case.coupling, "the case")
     with FlutterRig(case, fmus, case.flow.mach, say=say) as rig:
         s = rig.start(case.flutter.V_f)
         parts = _parts(rig.system)
-        structure = next(part for part in parts if part.name == rig.structure.name)
-        if prediction != "none":  # the FMU's own value; written out it would only make libcosim warn
-            structure.values[PREDICTION] = _item(structure, PREDICTION, prediction)
         connections = rig.system.wires
-    notes = [*_notes(case.coupling), *_limits(parts)]
+    notes = [*_predict(parts, case.coupling, prediction), *_limits(parts)]
     if case.flutter.forced_cycles == 0.0:  # a forced phase starts from rest and is not moved by loads
         notes += _starts(parts)
     if case.slosh.predictor != "none" and case.slosh.model != "frozen":
@@ -95,7 +95,8 @@ def from_case(
         )
     if case.slosh.split == "none" and case.slosh.model not in ("none", "frozen"):
         notes.append(
-            "slosh.split = none exchanges the liquid's whole load: late by a step it damps, and diverges where it is heavy."
+            "slosh.split = none exchanges the liquid's whole load, which diverges where it is heavy: extrapolated above a third "
+            "of the rest's mass, late by a step (--prediction none) above all of it."
         )
     liquid = slosh.LABEL[case.slosh.model]
     protocol = "forced pitch, release, free motion" if case.flutter.forced_cycles > 0.0 else "free motion"
@@ -104,8 +105,8 @@ def from_case(
     return Coupled(case.name, about, parts, connections, 0.0, _whole(s.dt), steps, cases.dump(case), notes)
 
 
-def from_assembly(assembly: Assembly, fmus: dict[str, Path]) -> Coupled:
-    """The system of a system file. Raises as `from_case`."""
+def from_assembly(assembly: Assembly, fmus: dict[str, Path], prediction: str | None = None) -> Coupled:
+    """The system of a system file. `prediction` and what is raised: as in `from_case`."""
     _refuse(assembly.coupling, str(assembly.path))
     system = assemblies.build(assembly, fmus)
     try:
@@ -118,7 +119,7 @@ def from_assembly(assembly: Assembly, fmus: dict[str, Path]) -> Coupled:
         for name, part in assembly.components.items()
         if part.predicts
     ]
-    notes = [*_notes(assembly.coupling), *left_out, *_limits(parts), *_starts(parts)]
+    notes = [*_predict(parts, assembly.coupling, prediction), *left_out, *_limits(parts), *_starts(parts)]
     about = f"{assembly.name}: {', '.join(f'{part.name} ({part.path.stem})' for part in parts)}"
     run = assembly.run
     settings = assemblies.dump(assembly)
@@ -147,16 +148,6 @@ def _whole(dt: float) -> float:
     return count / 1e9  # correctly rounded, what a tool that counts nanoseconds makes of them; count * 1e-9 is not
 
 
-def _item(part: Part, name: str, word: str) -> int:
-    """The number of an enumeration's item. Raises AeroSloshError where the FMU has none of that name."""
-    variable = part.variables.get(name)
-    items = {item.name: int(item.value) for item in getattr(getattr(variable, "declaredType", None), "items", None) or []}
-    if word not in items:
-        known = f"it has {', '.join(items)}" if items else "rebuild old FMUs with `make fmus`"
-        raise AeroSloshError(f"{part.name} has no {name} '{word}'", str(part.path), known)
-    return items[word]
-
-
 def _refuse(coupling: Coupling, where: str) -> None:
     """Settings without which the motion would be another one."""
     for table in ("substeps", "waveform"):
@@ -168,14 +159,24 @@ def _refuse(coupling: Coupling, where: str) -> None:
             )
 
 
-def _notes(coupling: Coupling) -> list[str]:
-    """What the archive does not say of the coupling."""
-    way = "repeats each step until the loads agree" if coupling.scheme == "implicit" else "passes loads on once a step"
+def _predict(parts: list[Part], coupling: Coupling, wish: str | None) -> list[str]:
+    """Switch the FMUs' prediction on where it is wished for; what the archive does not say of the coupling."""
+    on = coupling.predictor_order > 0 if wish is None else wish == "linear"
+    without = []
+    for part in parts:
+        names = [name for name in PREDICTIONS if name in part.variables]
+        part.values.update({name: int(on) for name in names if on or name in part.values})
+        without += [] if names or not any(v.causality == "input" for v in part.variables.values()) else [part.name]
     notes = [
-        f"coupling.scheme = {coupling.scheme} ({way}) and predictor_order = {coupling.predictor_order} are no part of SSP: every "
-        "tool exchanges values in its own way, usually all at once after each step (Jacobi), late by a step each way. That adds "
-        "a growth rate in proportion to the step: run two steps and extrapolate (docs/ssp.md)."
+        f"coupling.scheme = {coupling.scheme} is no part of SSP: tools pass values on once a step, to all at once (Jacobi). "
+        + (
+            "The FMUs extrapolate their inputs linearly themselves: our scheme jacobi with predictor_order = 1."
+            if on
+            else "Motion and loads are then late by a step each, which adds a growth rate like the step (docs/ssp.md)."
+        )
     ]
+    if on and without:
+        notes.append(f"No prediction of their own have {', '.join(without)}: their inputs are late by a step.")
     if coupling.scheme == "implicit":
         notes.append("A system that needs implicit coupling may diverge in such a tool, at any step.")
     return notes

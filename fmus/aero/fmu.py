@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..kit.interfaces import MOTION, aero_outputs, motion_inputs
+from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import input_, output, parameter
 from . import vtk
@@ -27,6 +28,7 @@ class Aero(Slave):
 
     stop_time = 0.1
     step_size = 1e-3
+    predicted_by = "motion_prediction"
 
     variables = (
         parameter("mach", 0.8, "1", "Freestream Mach number", min=0.05, max=0.98),
@@ -43,6 +45,7 @@ class Aero(Slave):
         parameter("max_subiterations", 25, "", "Most subiterations a step", min=3, max=1000),
         parameter("max_step", 0.5, "1", "Longest internal step in chords of travel at freestream speed", min=1e-3, max=10.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
+        prediction("motion_prediction", "motion"),
         *motion_inputs(),
         input_("write_fields", False, "", "Write mesh, Mach field and surface pressure at the end of this step"),
         *aero_outputs(depends_initially=("alpha",)),

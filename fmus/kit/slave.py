@@ -36,6 +36,7 @@ from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Integer, Real, String
 
 from . import xml
 from .failure import FAILURE_OUTPUTS, Failing, StepError, guarded, quiet
+from .prediction import Extrapolator
 from .state import State, check
 from .variables import UNSET, Value, Variable
 
@@ -72,6 +73,7 @@ class Slave(Failing, Fmi2Slave):
     content_hash: ClassVar[str] = ""  # "" where the face runs from the source tree
     stop_time: ClassVar[float] = 1.0  # default experiment [s]
     step_size: ClassVar[float] = 1e-3  # default experiment [s]
+    predicted_by: ClassVar[str] = ""  # the variable that switches the prediction of inputs on, where there is one
 
     # -- what a component writes --
 
@@ -128,6 +130,7 @@ class Slave(Failing, Fmi2Slave):
         self._ranges: dict[int, tuple[str, float, float]] = {}
         self._names = {name: _ByReference(name) for name in _REGISTER}
         self._results: list[str] = []
+        self._ahead: Extrapolator | None = None  # where inputs are foretold
         for reference, variable in enumerate(self.declared):
             if variable.name in self.__dict__:
                 raise TypeError(f"{self.modelName}: variable name '{variable.name}' is taken by the base class")
@@ -191,6 +194,8 @@ class Slave(Failing, Fmi2Slave):
         if self._refused:
             raise StepError(f"not initialised, a value was refused: {' '.join(self._refused.values())}")
         self._initialize()
+        predicts = bool(self.predicted_by) and getattr(self, self.predicted_by)
+        self._ahead = Extrapolator(self._inputs()) if predicts else None
         self._mode = RUNNING
 
     def _expect(self, mode: str, wish: str) -> None:
@@ -232,10 +237,27 @@ class Slave(Failing, Fmi2Slave):
                 f"a step from t = {current_time!r} s to {end!r} s goes past the stop time {self._stop_time!r} s that was "
                 "set up. Remedy: end the last step there, or set up a later stop time or none"
             )
-        self.step(current_time, step_size)
+        if self._ahead is None:
+            self.step(current_time, step_size)
+        else:
+            self._step_ahead(self._ahead, current_time, step_size)
         self.time = end
         self._check_outputs()
         return True
+
+    def _step_ahead(self, ahead: Extrapolator, time: float, step_size: float) -> None:
+        """Step with foretold inputs; a host reads back those that it set."""
+        values, given = self.__dict__, self._inputs()
+        names = [name for name, _, _ in self._ranges.values()]
+        values.update(zip(names, ahead.next(given, step_size), strict=True))
+        try:
+            self.step(time, step_size)
+        finally:
+            values.update(zip(names, given, strict=True))
+
+    def _inputs(self) -> list[float]:
+        values = self.__dict__
+        return [values[name] for name, _, _ in self._ranges.values()]
 
     def _prepare(self) -> None:
         values = self.__dict__
@@ -369,6 +391,7 @@ class Slave(Failing, Fmi2Slave):
                 "mode": self._mode,
                 "failure": self._failure,
                 "refused": dict(self._refused),
+                "ahead": self._ahead.save() if self._ahead else None,
             }
             return State(
                 type(self).__name__,
@@ -392,6 +415,7 @@ class Slave(Failing, Fmi2Slave):
         inner = state.internals
         self.time, self._mode, self._stale = inner["time"], inner["mode"], True
         self._failure, self._refused = inner["failure"], dict(inner["refused"])
+        self._ahead = Extrapolator.restore(inner["ahead"]) if inner["ahead"] else None
         if self._mode == RUNNING and not self._failure:
             self._prepare()
             self.restore(state.snapshot)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.prediction import prediction
 from ..kit.slave import Slave
 from ..kit.variables import choice, output, parameter
 from ..tank.frozen import constants, residual_load
@@ -30,6 +31,7 @@ class SloshEms(Slave):
 
     stop_time = 10.0
     step_size = 1e-2
+    predicted_by = "motion_prediction"
 
     variables = (
         *tank_parameters(),
@@ -38,6 +40,7 @@ class SloshEms(Slave):
                   max=LARGEST_DAMPING),
         choice("limit", "low", LIMITS, "What the modes left out do"),
         parameter("parametric", False, "", "Gravity of the moment and finite angles (parametric slosh) instead of linear slosh"),
+        prediction("motion_prediction", "motion"),
         *motion_inputs(),
         *surge_inputs(),
         *slosh_outputs(),

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..kit.failure import StepError
 from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.prediction import prediction
 from ..kit.slave import Slave
 from ..kit.variables import output, parameter
 from ..tank.frozen import Load, constants, residual_load
@@ -29,10 +30,12 @@ class SloshRbf(Slave):
 
     stop_time = 10.0
     step_size = 2e-3
+    predicted_by = "motion_prediction"
 
     variables = (
         *tank_parameters(),
         parameter("network", "default", "", "Trained network in the FMU's resources, or bilinear or ems: equations alone"),
+        prediction("motion_prediction", "motion"),
         *motion_inputs(),
         *surge_inputs(),
         *slosh_outputs(),

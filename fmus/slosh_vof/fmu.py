@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import Variable, input_, output, parameter
 from ..tank.frozen import Load, constants, residual_load
@@ -30,6 +31,7 @@ class SloshVof(Slave):
 
     stop_time = 2.0
     step_size = 2e-3
+    predicted_by = "motion_prediction"
 
     variables = (
         *tank_parameters(),
@@ -46,6 +48,7 @@ class SloshVof(Slave):
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),
         parameter("baffle_top", Baffles.top, "1", "Their tip over the tank's height", min=0.0, max=1.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
+        prediction("motion_prediction", "motion"),
         *motion_inputs(LIMITS),
         *surge_inputs(LIMITS),
         input_("write_fields", False, "", "Write the fields at the end of this step (or at the start)"),

@@ -8,18 +8,15 @@ from typing import Any
 import numpy as np
 
 from ..kit.interfaces import frozen_liquid_parameters, motion_outputs, wing_load_inputs
+from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
-from ..kit.variables import choice, output, parameter
+from ..kit.variables import output, parameter
 from .protocol import ForcedPitch, Run
 from .section import Array, Section, SectionData
 
 LOADS = ("lift", "moment", "slosh_force_y", "slosh_moment")
 FREE = "; needs forced_cycles = 0"
 DEGREE = 0.017453292519943295
-PREDICTION = {
-    "none": "Load inputs are values at the end of the step",
-    "linear": "Load inputs are values at the start of the step, extrapolated linearly over it",
-}
 
 
 class Structure(Slave):
@@ -27,6 +24,7 @@ class Structure(Slave):
 
     stop_time = 0.5
     step_size = 8.726646259971648e-4  # 72 steps a period at 100 rad/s
+    predicted_by = "load_prediction"
 
     variables = (
         parameter("mass", 57.73, "kg/m", "Mass per metre of span, without liquid", min=1e-9),
@@ -47,7 +45,7 @@ class Structure(Slave):
         parameter("initial_alpha_dot", 0.0, "rad/s", f"Pitch rate at the start{FREE}"),
         parameter("trim_lift", 0.0, "N/m", "Lift held by the trim, taken off the input lift"),
         parameter("trim_moment", 0.0, "N", "Moment held by the trim, taken off the input moment"),
-        choice("load_prediction", "none", PREDICTION, "What the load inputs mean"),
+        prediction("load_prediction", "loads"),
         *wing_load_inputs(),
         *motion_outputs(acceleration_initially=LOADS),
         output("released", "", "True from the release on", type=bool),
@@ -70,41 +68,27 @@ class Structure(Slave):
     def initialize(self) -> None:
         """Start the protocol under the loads at the start."""
         self.run = Run(self.section, self.forced, self.initial, self._load())
-        self.read_load, self.read_step = (
-            self.run.load,
-            0.0,
-        )  # the loads last read, and the step taken from there
         self._publish()
 
     def step(self, time: float, step_size: float) -> None:
         """Advance under loads linear over the step."""
-        load = self._load()
-        if self.load_prediction:
-            start = load
-            slope = (start - self.read_load) / self.read_step if self.read_step > 0.0 else np.zeros(2)
-            self.run.load = start
-            load = start + slope * step_size
-            self.read_load, self.read_step = start, step_size
-        self.run.advance(step_size, load)
+        self.run.advance(step_size, self._load())
         self._publish()
 
     def save(self) -> dict[str, Any]:
-        """Return time, state, loads and the history of the prediction."""
+        """Return time, state and loads."""
         run = self.run
         return {
             "t": run.t,
             "y": run.y,
             "load": run.load,
             "released": run.released,
-            "read_load": self.read_load,
-            "read_step": self.read_step,
         }
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take them back."""
         run = self.run
         run.t, run.y, run.load, run.released = (snapshot[key] for key in ("t", "y", "load", "released"))
-        self.read_load, self.read_step = snapshot["read_load"], snapshot["read_step"]
 
     def _load(self) -> Array:
         return np.array(

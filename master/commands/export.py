@@ -72,9 +72,10 @@ def _add_system(formats: Any) -> None:
     sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f")
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
     sub.add_argument(
-        "--load-prediction",
+        "--prediction",
         choices=["none", "linear"],
-        help="whether the structure extrapolates the loads that it is given, for hosts that do not (default none; docs/ssp.md)",
+        help="whether the FMUs extrapolate their inputs over a step, as SSP tools do not "
+        "(default: linear where coupling.predictor_order is above 0; docs/ssp.md)",
     )
     sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
     sub.add_argument("--out", type=Path, metavar="FILE.ssp", help="the archive (default <case>[_<slosh>].ssp)")
@@ -119,20 +120,20 @@ def _from_case(options: argparse.Namespace) -> Coupled:
     overrides = [f"{key}={value}" for key, value in given.items() if value is not None]
     case = cases.load(options.path, [*options.set, *overrides])
     fmus = find_fmus(options.fmus, case.slosh.model)
-    return ssp_system.from_case(case, fmus, options.load_prediction or "none", Progress(options.json).say)
+    return ssp_system.from_case(case, fmus, options.prediction, Progress(options.json).say)
 
 
 def _from_assembly(options: argparse.Namespace) -> Coupled:
-    for name in ("slosh", "mach", "vf", "load_prediction"):
+    for name in ("slosh", "mach", "vf"):
         if getattr(options, name) is not None:
-            flag = f"--{name.replace('_', '-')}"
+            flag = f"--{name}"
             raise AeroSloshError(
                 f"{flag} belongs to a flutter case, and this is a system file",
                 f"{flag} {getattr(options, name)}, {options.path}",
                 "set a component's parameter: --set components.NAME.parameters.VARIABLE=VALUE",
             )
     assembly = assemblies.load(options.path, options.set)
-    return ssp_system.from_assembly(assembly, assemblies.find(assembly, options.fmus))
+    return ssp_system.from_assembly(assembly, assemblies.find(assembly, options.fmus), options.prediction)
 
 
 def _tables(options: argparse.Namespace) -> int:

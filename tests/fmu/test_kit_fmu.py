@@ -153,8 +153,7 @@ def test_description_of_the_structure(fmu: Fmu) -> None:
     assert scalars["mass"].find("Real").attrib == {
         "declaredType": "MassPerLength [kg/m]", "quantity": "MassPerLength", "unit": "kg/m", "min": "1e-09", "start": "57.73"
     }  # fmt: skip
-    assert scalars["load_prediction"].find("Enumeration").get("start") == "0"
-    assert [item.get("name") for item in root.iter("Item")] == ["none", "linear"]
+    assert scalars["load_prediction"].find("Integer").attrib == {"min": "0", "max": "1", "start": "0"}
     outputs = [unknown.attrib for unknown in root.find("ModelStructure/Outputs")]
     assert all(unknown["dependencies"] == "" for unknown in outputs)  # the structure goes first
     assert len(outputs) == sum(scalar.get("causality") == "output" for scalar in scalars.values())

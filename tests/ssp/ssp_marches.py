@@ -54,9 +54,9 @@ def system_of(assembly: Assembly, fmu: Fmu) -> tuple[System, dict[str, Path]]:
     return assemblies.build(assembly, found), found
 
 
-def marched(system: System, sizes: np.ndarray, signals: Sequence[str]) -> np.ndarray:
-    """Our own Jacobi without extrapolation, steps of `sizes` [s], of a system just initialised. Shape: (sizes, signals)."""
-    scheme = Jacobi(0)
+def marched(system: System, sizes: np.ndarray, signals: Sequence[str], order: int = 0) -> np.ndarray:
+    """Our own Jacobi of predictor order `order`, steps of `sizes` [s], of a system just initialised. Shape: (sizes, signals)."""
+    scheme = Jacobi(order)
     scheme.reset(system)
     places = [(system[c], system[c].output_index[name]) for c, _, name in (signal.partition(".") for signal in signals)]
     rows = []

@@ -18,6 +18,7 @@ import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from master import cli, ssp, ssp_system, ssp_units
+from master.case import Coupling
 from master.component import Component
 from master.errors import AeroSloshError, ExitCode
 from master.rig import FlutterRig
@@ -95,7 +96,7 @@ def test_values(coupled: Coupled) -> None:
 
 
 def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None:
-    """A fresh FMU with the archive's values has every parameter that the master's own has."""
+    """A fresh FMU with the archive's values has every parameter that the master's own has, but for the prediction of inputs."""
     case = small("ems")
     content = unpacked(ssp.archive(coupled))
     with FlutterRig(case, files(fmu, case), 0.8) as rig:
@@ -105,7 +106,7 @@ def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None
             for name, (kind, text, _) in values(content, part.name).items():
                 fresh.set(name, {"Real": float, "Integer": int, "Boolean": "true".__eq__, "String": str}[kind](text))
             for variable in part.variables.values():
-                if variable.causality == "parameter":
+                if variable.causality == "parameter" and variable.name not in ssp_system.PREDICTIONS:
                     assert fresh.get(variable.name) == rig.system[part.name].get(variable.name), variable.name
             fresh.close()
 
@@ -173,7 +174,7 @@ def test_command(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str
     changes = [word for key in SMALL for word in ("--set", key)]
     target = tmp_path / "new" / "a.ssp"
     words = ["export", "ssp", str(ROOT / "cases" / "paper_s.toml"), *changes, "--fmus", str(folder), "--out", str(target)]
-    assert cli.run([*words, "--slosh", "frozen", "--mach", "0.75", "--vf", "0.65", "--load-prediction", "linear", "--json"]) == 0
+    assert cli.run([*words, "--slosh", "frozen", "--mach", "0.75", "--vf", "0.65", "--prediction", "linear", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     content = unpacked(target.read_bytes())
     assert values(content, "aero")["mach"][1] == "0.75" and values(content, "structure")["load_prediction"][:2] == (
@@ -185,7 +186,7 @@ def test_command(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert data["step"] == pytest.approx(scales(small("none"), 0.75, 0.65).dt, abs=1e-9) and data["stop"] > 0
     assert data["settings_sha256"] == hashlib.sha256(content["extra/aeroslosh/settings.toml"]).hexdigest()
     assert not any("first step" in note for note in data["notes"])  # it starts from rest
-    assert any("libcosim" in note for note in data["notes"]) and any("gauss-seidel" in note for note in data["notes"])
+    assert any("gauss-seidel" in note and "predictor_order = 1" in note for note in data["notes"])
     assert cli.run(words) == ExitCode.OK
     assert repr(data["step"])[:4] in capsys.readouterr().out  # people are told the step too
 
@@ -236,7 +237,6 @@ def test_one_name_for_two_units(coupled: Coupled) -> None:
         (["cases/paper_s.toml", "--set", "coupling.substeps={ aero = 2 }"], "SSP cannot carry coupling.substeps"),
         (["cases/paper_s.toml", "--set", "coupling.waveform={ aero = 'linear' }"], "SSP cannot carry coupling.waveform"),
         (["cases/tank_on_springs.toml", "--vf", "0.7"], "--vf belongs to a flutter case"),
-        (["cases/tank_on_springs.toml", "--load-prediction", "linear"], "--load-prediction belongs to a flutter case"),
         (["cases/tank_on_springs.toml", "--out", "stand.zip"], "by its ending"),
         (["cases/tank_on_springs.toml", "--set", "run.step=1e-10", "--set", "run.end=1e-9"], "at least a nanosecond"),
         (["cases/tank_on_springs.toml", "--out", "/dev/null/a.ssp"], "cannot be written"),
@@ -257,16 +257,33 @@ def test_notes_of_values_that_tools_cannot_set(coupled: Coupled, tmp_path: Path)
     """Texts, files and enumerations."""
     file = tmp_path / "wing.dat"
     file.write_text("x")
-    aero, _, structure = coupled.parts
+    aero, tank, _ = coupled.parts
     told = Part("aero", aero.path, "", aero.description, {"airfoil": str(file), "mach": 0.7})
     assert len(notes := ssp_system._limits([told])) == 2 and "FMPy" in notes[0] and str(file) in notes[1]
     assert not ssp_system._limits(coupled.parts)
-    linear = Part("structure", structure.path, "", structure.description, {"load_prediction": 1})
-    assert "libcosim and ecos pass over" in ssp_system._limits([linear])[0]
+    few = Part("slosh", tank.path, "", tank.description, {"limit": 0})
+    assert "libcosim and ecos pass over" in ssp_system._limits([few])[0]
 
 
-def test_structure_without_prediction(coupled: Coupled) -> None:
-    """An old or foreign structure FMU."""
+@pytest.mark.parametrize(
+    ("order", "wish", "written"), [(1, None, "1"), (2, None, "1"), (0, None, None), (1, "none", None), (0, "linear", "1")]
+)
+def test_prediction_is_that_of_the_case_or_of_the_command(
+    folder: Path, tmp_path: Path, order: int, wish: str | None, written: str | None
+) -> None:
+    """The FMUs' own prediction, in flutter cases and system files; where it is off the FMU's default holds."""
+    target = tmp_path / "stand.ssp"
+    words = ["export", "ssp", str(ROOT / "cases" / "tank_on_springs.toml"), "--set", f"coupling.predictor_order={order}"]
+    assert cli.run([*words, *(["--prediction", wish] if wish else []), "--fmus", str(folder), "--out", str(target)]) == 0
+    content = unpacked(target.read_bytes())
+    for component, name in (("stand", "load_prediction"), ("tank", "motion_prediction")):
+        assert values(content, component).get(name, (None, None))[1] == written
+
+
+def test_components_without_prediction_are_named(coupled: Coupled) -> None:
+    """Old or foreign FMUs."""
     aero = coupled.parts[0]
-    with pytest.raises(AeroSloshError, match="aero has no load_prediction 'linear'"):
-        ssp_system._item(aero, "load_prediction", "linear")
+    plain = [v for v in aero.description.modelVariables if v.name != "motion_prediction"]
+    foreign = Part("foreign", aero.path, "", SimpleNamespace(modelVariables=plain), {})
+    notes = ssp_system._predict([foreign], Coupling(), "linear")
+    assert any("No prediction of their own have foreign" in note for note in notes) and not foreign.values

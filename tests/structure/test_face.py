@@ -53,9 +53,7 @@ def test_load_inputs_are_end_of_step_values_and_linear_in_between() -> None:
 
 
 def test_linear_prediction_is_exact_for_loads_linear_in_time() -> None:
-    """Told the loads at the start of each step, the FMU finds those at its end; the first step has no slope
-    yet.
-    """
+    """Told the loads at the start of each step, the FMU finds those at its end, but for the first step, which has no slope."""
     times = np.array([0.0, 0.004, 0.010, 0.013, 0.02])
 
     def load(t: float) -> np.ndarray:
@@ -67,7 +65,8 @@ def test_linear_prediction_is_exact_for_loads_linear_in_time() -> None:
         assert wing.do_step(start, end - start)
     section = Section(SectionData())
     first = section.propagate(np.zeros(4), load(0.0), load(0.0), times[1])
-    exact = section.propagate(first, load(times[1]), load(times[-1]), times[-1] - times[1])
+    second = section.propagate(first, load(0.0), load(times[2]), times[2] - times[1])
+    exact = section.propagate(second, load(times[2]), load(times[-1]), times[-1] - times[2])
     np.testing.assert_allclose([wing.h, wing.alpha, wing.h_dot, wing.alpha_dot], exact, rtol=1e-11)
     np.testing.assert_allclose(wing.h_ddot, section.acceleration(exact, load(times[-1]))[0], rtol=1e-10)
 
@@ -111,7 +110,7 @@ def test_state_restores_parameters_too() -> None:
         ({"static_imbalance": 60.0}, "mass matrix is not positive definite"),
         ({"forced_cycles": 2.0, "initial_h": 0.01}, "have no effect while the pitch is forced"),
         ({"omega_h": -1.0}, "parameter 'omega_h' = -1.0 rad/s is outside its range"),
-        ({"load_prediction": 2}, "give one of 0 (none), 1 (linear)"),
+        ({"load_prediction": 2}, "give a value of at least 0 and at most 1"),
     ],
 )
 def test_refusals_name_the_cause_and_the_remedy(values: dict[str, Any], words: str) -> None:

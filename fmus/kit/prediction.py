@@ -1,0 +1,46 @@
+"""Inputs foretold within an FMU, for hosts that pass on only what is there at the start of a step.
+
+An input of these FMUs is the value at the END of the communication step, and the master foretells it. A host without
+predictor sets what it has: values at the start. With its prediction on, an FMU takes them as such and extrapolates each Real
+input linearly from the step before: what the master's Jacobi scheme with `predictor_order` 1 would have set, at equal steps.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .variables import Variable, parameter
+
+
+def prediction(name: str, what: str) -> Variable:
+    """Declare the switch `name` of an FMU whose inputs are `what` ("loads", "motion"). An Integer: several tools that read SSP
+    pass over enumerations.
+    """
+    text = f"Input {what} is that at 0: the end of the step, 1: its start, and extrapolated linearly over it"
+    return parameter(name, 0, "", text, min=0, max=1)
+
+
+class Extrapolator:
+    """The last values read and the step taken from there."""
+
+    def __init__(self, values: list[float]) -> None:
+        """Start from initial `values`; they count as having been the same before."""
+        self.values, self.step_size = values, 0.0
+
+    def next(self, values: list[float], step_size: float) -> list[float]:
+        """Return the values at the end of a step of `step_size` [s] from those at its start."""
+        share = step_size / self.step_size if self.step_size > 0.0 else 0.0
+        ahead = [new + share * (new - old) for new, old in zip(values, self.values, strict=True)]
+        self.values, self.step_size = values, step_size
+        return ahead
+
+    def save(self) -> dict[str, Any]:
+        """Return what `restore` takes."""
+        return {"values": list(self.values), "step_size": self.step_size}
+
+    @classmethod
+    def restore(cls, saved: dict[str, Any]) -> Extrapolator:
+        """Return an extrapolator that goes on from `save`."""
+        again = cls(list(saved["values"]))
+        again.step_size = saved["step_size"]
+        return again
