@@ -49,7 +49,7 @@ typedef struct {
 } Table;
 
 typedef struct {
-    char folder[PATH_MAX], name[LENGTH];
+    char folder[PATH_MAX], name[2 * LENGTH];
     void *library;
     FUNCTIONS(DECLARE)
     fmi2Component component;
@@ -63,13 +63,14 @@ typedef struct {
     int n_settings;
 } Instance;
 
+static int logging; /* --log */
 static const char *STATUS[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
 
 /* ---- the end */
 
-/* pythonfmu 0.7 releases its interpreter state twice when a process ends in the ordinary way (its library's destructors run
-   from exit() and from dlclose()), which can abort after all work is done. So a host of Python FMUs flushes what it wrote and
-   leaves with _exit. `how` is for the test that looks at the other ends. */
+/* pythonfmu 0.7 can abort when a process ends in the ordinary way, from exit() as from dlclose(), after all work is done: it
+   releases its interpreter state twice. A host of Python FMUs is safe if it flushes what it wrote and leaves with _exit. The
+   other two ways are there to look at that. */
 static void finish(Instance *instances, int count, const char *how, int code) {
     for (int i = 0; i < count; i++) {
         if (instances[i].component == NULL) continue;
@@ -169,7 +170,8 @@ static void read_table(Table *table, const char *path) {
         char *at = line, *end;
         for (int i = 0; i < table->columns; i++, at = end + 1) {
             table->values[table->rows * table->columns + i] = strtod(at, &end);
-            if (end == at || (*end != ',' && i + 1 < table->columns)) stop(1, "%s: row %d is no row of numbers", path, table->rows + 1);
+            if (end == at || (*end != ',' && i + 1 < table->columns))
+                stop(1, "%s: row %d is no row of numbers", path, table->rows + 1);
         }
         table->rows++;
     }
@@ -192,7 +194,9 @@ static void check(Instance *it, const char *call, fmi2Status status) {
         if (!failed) return;
     }
     if (find(it, "error", &variable) && variable.kind == 'S') it->GetString(it->component, &variable.reference, 1, &error);
-    stop(3, "%s: %s returned %s: %s", it->name, call, STATUS[status], error);
+    const char *what = status <= fmi2Warning ? "failed" : STATUS[status];
+    if (strncmp(error, it->name, strlen(it->name)) == 0) error += strlen(it->name) + 2; /* "name: what happened" */
+    stop(3, "%s: %s: %s: %s", it->name, call, what, *error ? error : "the FMU says no more; --log may");
 }
 
 static void show(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
@@ -206,8 +210,8 @@ static void show(fmi2ComponentEnvironment environment, fmi2String instance, fmi2
     va_end(values);
 }
 
-static void load(Instance *it) {
-    char path[PATH_MAX + 64], model[LENGTH], address[3 * PATH_MAX] = "file://", guid[LENGTH];
+static void load(Instance *it, int number) {
+    char path[PATH_MAX + 2 * LENGTH], model[LENGTH], address[3 * PATH_MAX] = "file://", guid[LENGTH];
     size_t size;
     snprintf(path, sizeof path, "%s/modelDescription.xml", it->folder);
     it->description = read_file(path, &size);
@@ -215,6 +219,7 @@ static void load(Instance *it) {
     if (root == NULL || simulation == NULL || !attribute(root, "guid", guid, LENGTH) ||
         !attribute(simulation, "modelIdentifier", model, LENGTH))
         stop(1, "%s: no FMI 2.0 co-simulation FMU", path);
+    snprintf(it->name, sizeof it->name, "%s_%d", model, number);
     snprintf(path, sizeof path, "%s/binaries/linux64/%s.so", it->folder, model);
     it->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (it->library == NULL) {
@@ -233,20 +238,23 @@ static void load(Instance *it) {
        whose path holds nothing but ASCII letters, digits, ._-/ and spaces. */
     char *to = address + strlen(address);
     snprintf(path, sizeof path, "%s/resources", it->folder);
+    const char *plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~/";
     for (const char *from = path; *from; from++)
-        to += strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~/", *from) ? sprintf(to, "%c", *from)
-                                                                                                 : sprintf(to, "%%%02X", (unsigned char)*from);
+        to += sprintf(to, strchr(plain, *from) ? "%c" : "%%%02X", (unsigned char)*from);
     it->callbacks = (fmi2CallbackFunctions){show, calloc, free, NULL, NULL};
-    it->component = it->Instantiate(it->name, fmi2CoSimulation, guid, address, &it->callbacks, fmi2False, getenv("HOST_LOG") != NULL);
+    it->component =
+        it->Instantiate(it->name, fmi2CoSimulation, guid, address, &it->callbacks, fmi2False, logging ? fmi2True : fmi2False);
     if (it->component == NULL) stop(3, "%s: fmi2Instantiate gave no instance; --log shows why", it->name);
 
     const char *at = it->description;
     Variable variable;
     char causality[LENGTH];
     while (next_variable(&at, &variable, causality))
-        if (strcmp(causality, "output") == 0 && variable.kind == 'R' && it->n_outputs < NAMES) it->outputs[it->n_outputs++] = variable;
+        if (strcmp(causality, "output") == 0 && variable.kind == 'R' && it->n_outputs < NAMES)
+            it->outputs[it->n_outputs++] = variable;
     for (int i = 1; i < it->table.columns; i++) {
-        if (!find(it, it->table.names[i], &variable) || variable.kind != 'R') stop(1, "%s has no Real input %s", it->name, it->table.names[i]);
+        if (!find(it, it->table.names[i], &variable) || variable.kind != 'R')
+            stop(1, "%s has no Real input %s", it->name, it->table.names[i]);
         it->inputs[i - 1] = variable.reference;
     }
 }
@@ -265,12 +273,13 @@ static void set_parameter(Instance *it, char *setting) {
         status = it->SetInteger(it->component, &variable.reference, 1, &number);
     } else if (variable.kind == 'B') {
         fmi2Boolean truth = strcmp(value, "true") == 0 ? fmi2True : fmi2False;
+        if (!truth && strcmp(value, "false") != 0) end = value;
         status = it->SetBoolean(it->component, &variable.reference, 1, &truth);
     } else {
         fmi2String text = value;
         status = it->SetString(it->component, &variable.reference, 1, &text);
     }
-    if (*end != '\0' || *value == '\0') stop(1, "%s=%s: no value for it", setting, value);
+    if (*end != '\0' || (*value == '\0' && variable.kind != 'S')) stop(1, "%s=%s: give a number, or true or false of a Boolean", setting, value);
     check(it, "fmi2Set", status);
 }
 
@@ -295,7 +304,8 @@ static void march(Instance *instances, int count, int first, int last, int shown
         for (int i = 0; i < count; i++) {
             Instance *it = &instances[i];
             if (row + 1 >= it->table.rows) continue;
-            const double time = it->table.values[row * it->table.columns], next = it->table.values[(row + 1) * it->table.columns];
+            const double time = it->table.values[row * it->table.columns];
+            const double next = it->table.values[(row + 1) * it->table.columns];
             set_inputs(it, row + 1);
             check(it, "fmi2DoStep", it->DoStep(it->component, time, next - time, fmi2False));
             if (shown) print(it, row + 1);
@@ -308,7 +318,7 @@ int main(int argc, char **argv) {
     int count = 0, rollback = -1, save = -1, resume = -1, at = 1, last = 0;
     for (; at < argc && strncmp(argv[at], "--", 2) == 0; at++) {
         int left = argc - at - 1;
-        if (strcmp(argv[at], "--log") == 0) setenv("HOST_LOG", "1", 1);
+        if (strcmp(argv[at], "--log") == 0) logging = 1;
         else if (strcmp(argv[at], "--end") == 0 && left > 0) how = argv[++at];
         else if (strcmp(argv[at], "--rollback") == 0 && left > 0) rollback = atoi(argv[++at]);
         else if (strcmp(argv[at], "--save") == 0 && left > 1) save = atoi(argv[++at]), file = argv[++at];
@@ -319,7 +329,6 @@ int main(int argc, char **argv) {
         if (count == MOST) stop(1, "at most %d FMUs", MOST);
         Instance *it = &instances[count++];
         if (realpath(argv[at], it->folder) == NULL) stop(1, "there is no folder %s; give an unzipped FMU", argv[at]);
-        snprintf(it->name, sizeof it->name, "%d", count);
         read_table(&it->table, argv[at + 1]);
         last = it->table.rows - 1 > last ? it->table.rows - 1 : last;
         it->settings = argv + (at += 2);
@@ -331,7 +340,7 @@ int main(int argc, char **argv) {
 
     for (int i = 0; i < count; i++) {
         Instance *it = &instances[i];
-        load(it);
+        load(it, i + 1);
         printf("# %s time", it->name);
         for (int k = 0; k < it->n_outputs; k++) printf(" %s", it->outputs[k].name);
         printf("\n");
