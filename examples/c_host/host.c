@@ -69,8 +69,8 @@ static const char *STATUS[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pe
 /* ---- the end */
 
 /* pythonfmu 0.7 can abort when a process ends in the ordinary way, from exit() as from dlclose(), after all work is done: it
-   releases its interpreter state twice. A host of Python FMUs is safe if it flushes what it wrote and leaves with _exit. The
-   other two ways are there to look at that. */
+   releases its interpreter state twice. aeroslosh's FMUs see to it themselves (docs/hosts.md); with those of others a host is
+   safe if it flushes what it wrote and leaves with _exit. The other two ways are there to look at that. */
 static void finish(Instance *instances, int count, const char *how, int code) {
     for (int i = 0; i < count; i++) {
         if (instances[i].component == NULL) continue;

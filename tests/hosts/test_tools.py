@@ -87,7 +87,7 @@ def test_proxyfmu(
     assert found == tool("direct_start", work)
 
 
-def test_proxyfmu_without_the_launcher(proxy: str, fmu: Callable[[str], Path]) -> None:
+def test_proxyfmu_without_the_launcher(proxy: str, fmu: Callable[[str], Path], tmp_path: Path) -> None:
     """What the documentation says of it: ecos aborts, and only its log tells that the other process could not start."""
     script = str(Path(__file__).with_name("tools.py"))
     work = plain("structure", str(fmu("structure"))) | {"prefix": "proxyfmu://localhost?file="}
@@ -97,6 +97,7 @@ def test_proxyfmu_without_the_launcher(proxy: str, fmu: Callable[[str], Path]) -
         text=True,
         errors="replace",
         env=clean(PATH=proxy, **LIBRARIES),
+        cwd=tmp_path,  # ecos writes a folder of logs there
         timeout=120,
     )
     assert done.returncode != 0
