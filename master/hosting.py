@@ -115,6 +115,7 @@ if ! command -v "$1" >/dev/null 2>&1; then
     echo "$0: there is no program $1; remedy: give its path" >&2
     exit 127
 fi
-# env, so that this shell itself is not started again with the library
-exec env -u PYTHONHOME LD_PRELOAD="$library${{LD_PRELOAD:+:$LD_PRELOAD}}" PATH="$folder:$PATH" "$@"
+unset PYTHONHOME  # it would send the interpreter past the virtual environment
+# env, so that the library is not loaded into this shell's own commands
+exec env LD_PRELOAD="$library${{LD_PRELOAD:+:$LD_PRELOAD}}" PATH="$folder:$PATH" "$@"
 """
