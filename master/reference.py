@@ -53,6 +53,12 @@ class Difference:
         return self.found <= self.allowed
 
 
+def carried(fmu: Path) -> bool:
+    """Tell whether the FMU holds a reference result."""
+    with zipfile.ZipFile(fmu) as archive:
+        return f"{INSIDE}experiment.json" in archive.namelist()
+
+
 def read(fmu: Path) -> Reference:
     """Return the reference in the FMU. Raises AeroSloshError where there is none or it is damaged."""
     try:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from master import reference as references
 from master.component import Component
 from master.errors import AeroSloshError, ComponentError
 from master.finding import Finding, ok, problem
@@ -105,9 +106,24 @@ def state(subject: Subject) -> list[Finding]:
     return [ok(subject.name, f"state: rewinds to the bit, {len(data)} bytes to a file and back", state_bytes=len(data))]
 
 
+def reference(subject: Subject) -> list[Finding]:
+    """The reference result that it carries, replayed through FMPy."""
+    if not references.carried(subject.path):
+        return [ok(subject.name, "it carries no reference result")]
+    differences = references.check(subject.path)
+    worst = max(differences, key=lambda one: one.found / one.allowed)
+    if not all(one.fits for one in differences):
+        text = (
+            f"its reference result is missed: {worst.name} by {worst.found:.1e} of its largest value, {worst.allowed:g} allowed"
+        )
+        return [problem(subject.name, text, "compare versions of numpy and numba with requirements.lock, then build it again")]
+    text = f"gives its reference result: {len(differences)} outputs, {worst.name} within {worst.found:.1e}"
+    return [ok(subject.name, text, reference_difference=worst.found)]
+
+
 # What is done to each FMU, in this order: a function that gets the Subject and returns findings, or raises AeroSloshError, which
-# becomes one. `runs` comes first. The replay of an FMU's own reference (documentation/reference/ in the zip) belongs at the end.
-CHECKS: tuple[Callable[[Subject], list[Finding]], ...] = (runs, second_instance, state)
+# becomes one. `runs` comes first.
+CHECKS: tuple[Callable[[Subject], list[Finding]], ...] = (runs, second_instance, state, reference)
 
 
 def examine(path: Path) -> list[Finding]:

@@ -1,12 +1,12 @@
 """What a tool that exchanges values once a step (Jacobi) adds to a growth rate: the figures of docs/ssp.md.
 
 `python -m paper.ssp_lag [--fmus DIR] [--small]` exports a dry section, one with frozen fuel and one with sloshing fuel at several
-steps, with and without the structure's load prediction, marches what the archive says by our master's Jacobi without
+steps, with and without the FMUs' prediction of their inputs, marches what the archive says by our master's Jacobi without
 extrapolation, which FMPy, libcosim and ecos were shown to equal (tests/ssp/test_ssp_hosts.py), and fits the growth rate. Beside
 it the master's own default (Gauss-Seidel, extrapolated) at the same step.
 
-Theory: motion and loads are each a step late, which adds a part in proportion to the step, the same for both; the structure's
-prediction takes away the loads' half. Two runs, one with half the step, therefore extrapolate to 2 g(dt/2) − g(dt).
+Theory: without prediction motion and loads are each a step late, which adds a growth rate in proportion to the step; with linear
+prediction what is left is of second order.
 """
 
 from __future__ import annotations
@@ -92,19 +92,13 @@ def main() -> None:
     words.add_argument("--small", action="store_true", help="coarse mesh: seconds")
     options = words.parse_args()
     extra = COARSE if options.small else []
-    print("| case | steps a period | master | exported | … linear | error | … linear | extrapolated | … linear |\n|" + "---|" * 9)
+    print("| case | steps a period | master | late by a step | predicted | error, late | error, predicted |\n|" + "---|" * 7)
     for name, (_, _, steps) in CASES.items():
-        past: dict[str, float] = {}
         for refined in (1, 2, 4):
             now = row(name, refined, options.fmus, extra)
-            errors = [now[word] - now["own"] for word in ("none", "linear")]
-            better = [f"{2.0 * now[word] - past[word]:+.5f}" if past else "" for word in ("none", "linear")]
             rates = [f"{now[word]:+.5f}" for word in ("own", "none", "linear")]
-            print(
-                "| " + " | ".join([name, str(refined * steps), *rates, *(f"{e:+.1e}" for e in errors), *better]) + " |",
-                flush=True,
-            )
-            past = now
+            errors = [f"{now[word] - now['own']:+.1e}" for word in ("none", "linear")]
+            print("| " + " | ".join([name, str(refined * steps), *rates, *errors]) + " |", flush=True)
 
 
 if __name__ == "__main__":

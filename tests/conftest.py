@@ -25,7 +25,7 @@ def is_current(fmu: Path, folder: Path) -> bool:
     digest = sources.content_hash(sources.component_files(folder, build.ROOT))
     wanted = f"resources/{folder.name}_{digest}_slave.py"
     with zipfile.ZipFile(fmu) as archive:
-        return wanted in archive.namelist()
+        return wanted in archive.namelist() and archive.read(wanted) == build.script_text(folder, digest)
 
 
 @pytest.fixture(scope="session")

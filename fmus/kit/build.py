@@ -40,11 +40,26 @@ PYTHONFMU = Path(inspect.getfile(pythonfmu)).parent
 BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
-# pythonfmu 0.7 runs the script again at each instantiation, drops one reference of its globals (first line) and keeps one of the
-# class for ever: the class of the first time is taken again. Scripts of several versions may share their globals.
+# What pythonfmu 0.7 needs of a script. It runs it again at each instantiation, drops one reference of its globals (so one is
+# added, for good: references in a list would be given back at the end, and the globals freed twice) and keeps one of the class
+# for ever (so the class of the first time is taken again). It releases its interpreter twice when a process ends, after
+# libraries that were loaded later (LLVM) are gone: so its own function for that is what the C library calls first at exit,
+# after which the others find nothing to do. The last handler registered is the first called: all FMUs' are registered anew each
+# time. An import that fails would reach a host as "no instance" alone. Scripts of several versions may share their globals.
 SCRIPT = """\
-import sys; sys.__dict__.setdefault("_fmu_pins", []).append(globals())
-from {package}.{component}.fmu import {face} as _Face
+import contextlib, ctypes, os, sys
+
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+_resources = os.path.dirname(os.path.abspath(__file__))
+try:
+    from {package}.{component}.fmu import {face} as _Face
+except ImportError as _error:
+    _text = (
+        f"{component}: this FMU cannot start in the Python of {{sys.prefix}}: {{_error}}. Remedy: put the Python that has its "
+        f"packages first on PATH (aeroslosh-launch does), or: python3 -m pip install -r '{{_resources}}/requirements.txt'"
+    )
+    print(_text, file=sys.stderr, flush=True)
+    raise ImportError(_text) from _error
 
 {component} = sys.__dict__.setdefault("_fmu_classes", {{}}).get("{component}_{hash}")
 if {component} is None:
@@ -55,6 +70,14 @@ if {component} is None:
         content_hash = "{hash}"
 
     sys.__dict__["_fmu_classes"]["{component}_{hash}"] = {component}
+
+if sys.platform == "linux":
+    _ends = sys.__dict__.setdefault("_fmu_ends", {{}})
+    with contextlib.suppress(OSError, AttributeError):
+        _library = os.path.join(os.path.dirname(_resources), "binaries", "linux64", "{component}.so")
+        _ends[_library] = ctypes.CDLL(_library, os.RTLD_NOLOAD | os.RTLD_NOW).finalizePythonInterpreter
+        for _end in _ends.values():
+            ctypes.CDLL(None).__cxa_atexit(_end, None, None)
 """
 
 DESCRIBE = """
@@ -113,9 +136,7 @@ def build(folder: Path, out: Path, *, check: bool = True, root: Path = ROOT) -> 
     package = f"{component}_{digest}"
     script = f"{package}_slave"
     entries: dict[str, bytes] = {f"resources/{package}/{name}": path.read_bytes() for name, path in files.items()}
-    entries[f"resources/{script}.py"] = SCRIPT.format(
-        package=package, component=component, face=face_name(folder), version=_version(root), hash=digest
-    ).encode()
+    entries[f"resources/{script}.py"] = script_text(folder, digest, root)
     entries["resources/slavemodule.txt"] = script.encode()
     entries["resources/requirements.txt"] = _requirements(files, component, root).encode()
     entries.update({f"resources/pythonfmu/{path.name}": path.read_bytes() for path in PYTHONFMU.glob("*.py")})
@@ -139,6 +160,12 @@ def build(folder: Path, out: Path, *, check: bool = True, root: Path = ROOT) -> 
     finally:
         temporary.unlink(missing_ok=True)
     return target
+
+
+def script_text(folder: Path, digest: str, root: Path = ROOT) -> bytes:
+    """Return the script that pythonfmu runs, for the component in `folder` whose sources have the hash `digest`."""
+    values = {"package": f"{folder.name}_{digest}", "component": folder.name, "hash": digest}
+    return SCRIPT.format(**values, face=face_name(folder), version=_version(root)).encode()
 
 
 def face_name(folder: Path) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import sys
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -37,15 +36,6 @@ JOBS: dict[str, tuple[dict[str, Any], dict[str, list[float]], list[str]]] = {
     "slosh_rbf": ({**TANK, "gravity": 9.0}, SHAKEN, [*LOADS, "wave_height_west", "validity"]),
     "slosh_vof": ({**TANK, "cells_x": 16, "cells_y": 16}, SHAKEN, [*LOADS, "wave_height_west", "liquid_volume"]),
 }
-
-NOT_PUT_AWAY = "these FMUs do not put the interpreter away themselves: only _exit is safe (docs/hosts.md)"
-
-
-def puts_away(fmu: str | Path) -> bool:
-    """Tell whether an FMU's script has pythonfmu's interpreter put away once, and early enough, at the end of a process."""
-    with zipfile.ZipFile(fmu) as archive:
-        scripts = [member for member in archive.namelist() if member.endswith("_slave.py")]
-        return "finalizePythonInterpreter" in archive.read(scripts[0]).decode()
 
 
 def job(name: str, fmu: str) -> dict[str, Any]:

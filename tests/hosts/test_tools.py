@@ -16,12 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from host_jobs import JOBS, LAUNCH, NOT_PUT_AWAY, clean, job, puts_away
+from host_jobs import JOBS, LAUNCH, clean, job
 
-ENUMERATIONS = {
-    "load_prediction",
-    "limit",
-}  # libcosim 0.0.6 does not list them, ecospy 0.7.2 does not set them (and says nothing)
+ENUMERATIONS = {"limit"}  # libcosim 0.0.6 does not list them, ecospy 0.7.2 does not set them (and says nothing)
 LIBRARIES = {"LD_LIBRARY_PATH": f"{sys.prefix}/lib"}  # where pip puts libtbb.so.12, which ecospy loads
 
 
@@ -80,8 +77,6 @@ def test_proxyfmu(
     name: str, proxy: str, launch: list[str], fmu: Callable[[str], Path], tool: Callable[..., list[list[str]]]
 ) -> None:
     """An FMU in ecos' own process, which is no Python: with the launcher."""
-    if not puts_away(fmu(name)):
-        pytest.skip(NOT_PUT_AWAY)  # proxyfmu crashes at its end, and ecos with it
     work = plain(name, str(fmu(name)))
     found = tool("ecos", work | {"prefix": "proxyfmu://localhost?file="}, *LAUNCH, PATH=proxy, **LIBRARIES)
     assert found == tool("direct_start", work)
@@ -122,7 +117,5 @@ def test_relative_path_with_spaces(
 def test_ordinary_end(name: str, which: str, fmu: Callable[[str], Path], tool: Callable[..., list[list[str]]]) -> None:
     """A tool's Python process that ends as Python processes do: exit code 0 (`tool` asserts it), the numbers are there."""
     need({"libcosim": "libcosimpy", "ecos": "ecospy"}.get(which, "fmpy"))
-    if not puts_away(fmu(name)):
-        pytest.skip(NOT_PUT_AWAY)
     work = plain(name, str(fmu(name)))
     assert tool(which, work | {"end": "ordinary"}, **LIBRARIES) == tool("direct_start", work)

@@ -13,8 +13,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import Fmu, files
 
 
-def test_lag_is_of_first_order_and_prediction_takes_half(fmu: Fmu) -> None:
-    """Error of the growth rate halves with the step; the structure's prediction halves it; extrapolation takes it away."""
+def test_lag_is_of_first_order_and_prediction_takes_it_away(fmu: Fmu) -> None:
+    """Late by a step, the error of the growth rate halves with the step; with prediction a hundredth of it is left."""
     name = "dry, Mach 0.825, V_f 0.612"
     found = []
     for refined in (1, 2):
@@ -26,6 +26,4 @@ def test_lag_is_of_first_order_and_prediction_takes_half(fmu: Fmu) -> None:
     error = coarse["none"] - coarse["own"]
     assert error > 0.01
     assert (fine["none"] - fine["own"]) / error == pytest.approx(0.5, abs=0.02)
-    assert (coarse["linear"] - coarse["own"]) / error == pytest.approx(0.5, abs=0.02)
-    for word in ("none", "linear"):
-        assert 2.0 * fine[word] - coarse[word] == pytest.approx(fine["own"], abs=3e-4)
+    assert abs(coarse["linear"] - coarse["own"]) < 0.01 * error
