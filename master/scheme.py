@@ -18,6 +18,7 @@ from master.pace import Pace
 from master.system import System, Wire
 
 KEPT = 20  # unconverged steps that are listed one by one
+PREDICTIONS = ("load_prediction", "motion_prediction")  # parameters by which our FMUs extrapolate their inputs themselves
 
 
 def make(settings: Coupling) -> Scheme:
@@ -58,6 +59,7 @@ def assemble(
                     f"coupling.{table}",
                     f"components are: {', '.join(names)}",
                 )
+    _refuse_double_prediction(components, settings)
     links = [(wire.source.split(".")[0], wire.target.split(".")[0]) for wire in connections]
     known = [(a, b) for a, b in links if a in names and b in names]  # others: the system refuses them, with a remedy
     order = ordering.arrange(names, known, settings.order)
@@ -67,6 +69,21 @@ def assemble(
         # where none is named, the inputs of substeps run linearly
         paces[name] = Pace(substeps, settings.waveform.get(name, "linear" if substeps > 1 else "hold"))
     return System([components[names.index(name)] for name in order], connections, paces, surrogates)
+
+
+def _refuse_double_prediction(components: Sequence[Component], settings: Coupling) -> None:
+    """An FMU that extrapolates its inputs takes them as values of the start of the step: only a Jacobi of order 0 gives those."""
+    if settings.scheme == Jacobi.name and settings.predictor_order == 0:
+        return
+    for component in components:
+        for name in PREDICTIONS:
+            if component.given.get(name):
+                raise AeroSloshError(
+                    f"{component.name}.{name} = 1: the FMU extrapolates its inputs, and so does the master (coupling.scheme = "
+                    f'"{settings.scheme}", predictor_order = {settings.predictor_order})',
+                    "coupling.predictor_order",
+                    f'leave {name} out, or take coupling.scheme = "jacobi" with predictor_order = 0',
+                )
 
 
 class Statistics:

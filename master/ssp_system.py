@@ -24,10 +24,10 @@ from master.assembly import Assembly
 from master.case import Case, Coupling
 from master.errors import AeroSloshError
 from master.rig import FlutterRig
+from master.scheme import PREDICTIONS
 from master.system import System, Wire
 
 NANO = 1e-9  # s: libcosim counts time in whole nanoseconds
-PREDICTIONS = ("load_prediction", "motion_prediction")  # an FMU's own linear extrapolation of its inputs (fmus/kit/prediction.py)
 
 
 @dataclass(frozen=True)

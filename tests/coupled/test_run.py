@@ -224,11 +224,22 @@ def test_a_refused_parameter_is_told_of_the_component_that_has_it(fmu: Callable[
         cli.run([*words, "components.tank.parameters.fill_level=2"])
     assert "Component 'tank' failed" in caught.value.what and "fill_level" in caught.value.what
     with pytest.raises(AeroSloshError) as caught:
-        cli.run([*words, "components.stand.parameters.load_prediction=cubic"])
-    assert (
-        'load_prediction = "cubic" is no Enumeration' in caught.value.what and caught.value.remedy == "give one of none, linear"
-    )
-    assert cli.run([*words, "components.stand.parameters.load_prediction=none", "--set", "run.end=0.02"]) == ExitCode.OK
+        cli.run([*words, "components.tank.parameters.limit=cubic"])
+    assert 'limit = "cubic" is no Enumeration' in caught.value.what and caught.value.remedy == "give one of high, low"
+    assert cli.run([*words, "components.tank.parameters.limit=high", "--set", "run.end=0.02"]) == ExitCode.OK
+
+
+def test_inputs_are_not_extrapolated_twice(fmu: Callable[[str], Path], tmp_path: Path) -> None:
+    """By the FMU and by the master; a Jacobi of order 0 leaves it to the FMU."""
+    fmus = tmp_path / "fmus"
+    fmus.mkdir()
+    for name in ("structure", "slosh_ems"):
+        (fmus / f"{name}.fmu").symlink_to(fmu(name))
+    words = ["run", str(EXAMPLE), "--fmus", str(fmus), "--out", str(tmp_path / "out"), "--no-pictures", "--quiet", "--set"]
+    words += ["run.end=0.02", "--set", "components.stand.parameters.load_prediction=1", "--set"]
+    with pytest.raises(AeroSloshError, match=r"stand\.load_prediction = 1: the FMU extrapolates"):
+        cli.run([*words, "coupling.scheme=gauss-seidel"])
+    assert cli.run([*words, "coupling.scheme=jacobi", "--set", "coupling.predictor_order=0"]) == ExitCode.OK
 
 
 def test_a_history_that_fits_nowhere(call: Callable[..., int]) -> None:

@@ -22,6 +22,7 @@ from master.case import Coupling
 from master.component import Component
 from master.errors import AeroSloshError, ExitCode
 from master.rig import FlutterRig
+from master.scheme import PREDICTIONS
 from master.similarity import scales
 from master.ssp_system import Coupled, Part
 
@@ -106,7 +107,7 @@ def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None
             for name, (kind, text, _) in values(content, part.name).items():
                 fresh.set(name, {"Real": float, "Integer": int, "Boolean": "true".__eq__, "String": str}[kind](text))
             for variable in part.variables.values():
-                if variable.causality == "parameter" and variable.name not in ssp_system.PREDICTIONS:
+                if variable.causality == "parameter" and variable.name not in PREDICTIONS:
                     assert fresh.get(variable.name) == rig.system[part.name].get(variable.name), variable.name
             fresh.close()
 
