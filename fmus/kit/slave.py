@@ -18,8 +18,8 @@ can return a status other than OK. So no exception leaves a callback: the traceb
 line, Real outputs become NaN and every later `fmi2DoStep` returns fmi2Discard with the same message. A host
 that wants to know at once reads `failed` after leaving initialisation and after restoring a state from bytes.
 A refused value (not finite, outside its range, a fixed parameter after the start) is not applied and fails
-the same way until a valid value is set; any other failure lasts until a good state is restored or the
-instance is reset.
+the same way until a valid value is set; any other failure, also a call that the standard forbids in the
+present mode, lasts until a good state is restored or the instance is reset.
 """
 
 from __future__ import annotations
@@ -48,6 +48,8 @@ _WAY = {
     TERMINATED: "reset this instance to start anew, or restore a state",
 }
 """What is to be done next in a mode, for a host that asked for something else."""
+SHORTEST = 1e-100
+"""Shortest step [s]: its square and cube still have all their digits."""
 _REGISTER = {"Real": Real, "Integer": Integer, "Boolean": Boolean, "String": String}
 
 
@@ -217,8 +219,8 @@ class Slave(Failing, Fmi2Slave):
             return False
         if self._mode != RUNNING:
             self._expect(RUNNING, "step")
-        if not 0.0 < step_size < math.inf:
-            raise StepError(f"step size {step_size} s. Remedy: give a finite step size above 0")
+        if not SHORTEST <= step_size < math.inf:
+            raise StepError(f"step size {step_size} s. Remedy: give a finite step size of at least {SHORTEST} s")
         # the clock of a host may differ by rounding; written so that NaN does not pass
         rounding = 1e-6 * step_size + 1e-15 * abs(self.time)
         if not abs(current_time - self.time) <= rounding:

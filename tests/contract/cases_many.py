@@ -14,7 +14,7 @@ from raw import DISCARD, OK, Raw
 SHARES = (0.5, 1.0, -1.0, 1.5)
 
 
-def alone(folder: str, steps: int = 3) -> list[list[str]]:
+def alone(folder: str, steps: int) -> list[list[str]]:
     """The run of each share in an instance of its own, one after another."""
     rows = []
     for share in SHARES:
@@ -25,7 +25,7 @@ def alone(folder: str, steps: int = 3) -> list[list[str]]:
 
 
 def case_two_hundred_instances_with_numbers_of_their_own(folder: str) -> None:
-    wanted = alone(folder)
+    wanted = alone(folder, 2)
     assert len({rows[-1] for rows in wanted}) == len(SHARES)
     first = started(folder, "first")
     state = first.state()
@@ -33,7 +33,7 @@ def case_two_hundred_instances_with_numbers_of_their_own(folder: str) -> None:
     for one in instances:  # a state saves 200 steady flows of aero
         assert one.take(state) == OK
     rows: list[list[str]] = [[] for _ in instances]
-    for step in range(3):
+    for step in range(2):
         for i, one in enumerate(instances):
             rows[i] += march(one, step, 1, share=SHARES[i % len(SHARES)])
     for i, one in enumerate(instances):
@@ -43,8 +43,9 @@ def case_two_hundred_instances_with_numbers_of_their_own(folder: str) -> None:
         one.free()
     gc.collect()
     for i in range(1, 200, 2):
-        march(instances[i], 3, 1)
         instances[i].assert_well()
+        if i % 20 == 1:
+            march(instances[i], 2, 1)
         instances[i].free()
 
 

@@ -33,8 +33,9 @@ def test_description_has_no_problems(fmu: Fmu, component: str | Path) -> None:
         (2, "SystemExit: 3"),
         (3, "output 'y' = nan at t = 0.1 s"),
         (8, "RuntimeError: long long"),
+        (9, "RuntimeError: no such file: caf?.dat. Remedy: look at"),
     ],
-    ids=["exception", "exit", "not a number", "long message"],
+    ids=["exception", "exit", "not a number", "long message", "half a character"],
 )
 def test_failure_in_a_step_reaches_the_host_and_a_state_cures_it(fmu: Fmu, host: Host, kind: int, words: str) -> None:
     seen = host("fault", str(fmu(FAULTY)), kind)

@@ -10,7 +10,7 @@ import numpy as np
 from ..kit.slave import Slave
 from ..kit.variables import choice, input_, output, parameter
 
-MODES = ("none", "raise", "exit", "nan", "initialize", "save", "restore", "unsavable", "long")
+MODES = ("none", "raise", "exit", "nan", "initialize", "save", "restore", "unsavable", "long", "half a character")
 
 
 class Faulty(Slave):
@@ -45,6 +45,8 @@ class Faulty(Slave):
             sys.exit(3)
         if self.mode == "long":
             raise RuntimeError("long " * 4000)
+        if self.mode == "half a character":  # as in the name of a file that is not UTF-8
+            raise RuntimeError("no such file: caf\udce9.dat")
         self.history = np.append(self.history, self.gain * self.u)
         self.y = math.nan if self.mode == "nan" else float(self.history.sum())
 
