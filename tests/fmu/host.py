@@ -604,6 +604,34 @@ def vof_fields(path: str, folder: str) -> Any:
     }  # fmt: skip
 
 
+def predicted(path: str, switch: str, values: dict[str, Any], names: list[str], keep: str) -> Any:
+    """One instance that foretells its inputs, one that is told them, one that goes on from the first's bytes."""
+    ahead, told = Instance(path, "ahead").start(**values, **{switch: 1}), Instance(path, "told").start(**values)
+    outputs = [v.name for v in ahead.variables.values() if v.causality == "output" and v.type == "Real"]
+    rows: dict[str, list[Any]] = {"ahead": [], "told": [], "resumed": []}
+    old, time, past, resumed = [0.0] * len(names), 0.0, math.inf, None
+    for i in range(12):
+        step_size = 1e-3 * (1.0 + 0.5 * (i % 3))
+        new = [1e-3 * math.sin((3.0 + place) * 40.0 * time) for place in range(len(names))]
+        for one in [ahead, told] + ([resumed] if resumed else []):
+            for name, a, b in zip(names, new, old, strict=True):
+                one[name] = a + step_size / past * (a - b) if one is told else a
+            assert one.step(time, step_size) == 0, one["error"]
+        assert [ahead[name] for name in names] == new  # a host reads back what it set
+        rows["ahead"].append([ahead[name].hex() for name in outputs])
+        rows["told"].append([told[name].hex() for name in outputs])
+        if resumed:
+            rows["resumed"].append([resumed[name].hex() for name in outputs])
+        old, past, time = new, step_size, time + step_size
+        if i == 5:
+            with open(keep, "wb") as file:
+                file.write(ahead.fmu.serializeFMUstate(ahead.fmu.getFMUstate()))
+            resumed = Instance(path, "resumed").start(**values)
+            with open(keep, "rb") as file:
+                resumed.fmu.setFMUstate(resumed.fmu.deSerializeFMUstate(file.read()))
+    return rows
+
+
 def reference(path: str) -> Any:
     """The FMU against its own reference result: name, difference, allowed."""
     return [[one.name, one.found, one.allowed] for one in references.check(Path(path))]
