@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import history, point_file, settings, toml_text
+from master import history, settings, toml_text
 from master.errors import AeroSloshError
-from master.point_file import Record
+from master.sweeps import point_file
+from master.sweeps.point_file import Record
 
 GUARDS = ("point", "content_sha256")  # a sweep's own, with cost and dates in them
 PROVENANCE = ("versions", "fmu_sha256", "command", "date", "host", "cpu")

@@ -19,11 +19,12 @@ from pathlib import Path
 import numpy as np
 
 from master import case as cases
-from master import flutter, ssp_system
+from master import flutter
 from master.case import Case
 from master.component import Component
 from master.coupling import Jacobi
 from master.damping import Fit, analyse
+from master.hosts import ssp_system
 from master.rig import FlutterRig, find_fmus
 from master.similarity import scales
 from master.system import System

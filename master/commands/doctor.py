@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from master import atomic, doctor, finding, hosting, selftest
+from master import atomic
 from master.commands import common
 from master.errors import AeroSloshError, ExitCode
-from master.finding import Finding
+from master.hosts import doctor, finding, hosting, selftest
+from master.hosts.finding import Finding
 
 
 def register(commands: Any) -> None:

@@ -11,12 +11,13 @@ from typing import Any
 
 from master import assembly as assemblies
 from master import case as cases
-from master import export, history, settings, ssp, ssp_system
+from master import export, history, settings
 from master.commands import common
 from master.errors import AeroSloshError, ExitCode
+from master.hosts import ssp, ssp_system
+from master.hosts.ssp_system import Coupled
 from master.progress import Progress
 from master.rig import find_fmus
-from master.ssp_system import Coupled
 
 WRITERS = {"csv": export.to_csv, "parquet": export.to_parquet}
 

@@ -11,18 +11,17 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import estimate, plan, sweep
-from master import sweep_report as report
 from master.case import Case
 from master.commands import common
 from master.errors import AeroSloshError, ExitCode
-from master.jobs import Job, Product
-from master.parameters import Parameter, from_case, from_words
-from master.plan import Plan
 from master.record import provenance, source_hash
-from master.sweep import Pool, Store
-from master.sweep_progress import SweepProgress
-from master.workers import LocalPool, usable_cores
+from master.sweeps import estimate, plan, report, sweep
+from master.sweeps.jobs import Job, Product
+from master.sweeps.parameters import Parameter, from_case, from_words
+from master.sweeps.plan import Plan
+from master.sweeps.progress import SweepProgress
+from master.sweeps.sweep import Pool, Store
+from master.sweeps.workers import LocalPool, usable_cores
 
 FLAGS = {"grid": "grid", "list": "list", "hypercube": "latin-hypercube"}
 
@@ -153,7 +152,7 @@ def _pool(options: argparse.Namespace, wanted: Plan, workers: int, say: Callable
     """Local workers, or those of a cluster."""
     if options.scheduler is None:
         return LocalPool(workers, options.recycle, say)
-    from master.cluster import DaskPool  # a package that only clusters need
+    from master.sweeps.cluster import DaskPool  # a package that only clusters need
 
     files = {file for p in wanted.points for file in p.files.values()}
     return DaskPool(options.scheduler, sorted(files), options.recycle, say)

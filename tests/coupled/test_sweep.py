@@ -21,8 +21,9 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from master import cli, point_file
+from master import cli
 from master.errors import AeroSloshError
+from master.sweeps import point_file
 
 CASES = Path(__file__).parents[2] / "cases"
 QUICK = ("--set", "flow.mach=0.3", "--set", "flutter.steps_per_cycle=72", "--set", "flutter.forced_cycles=1.0", "--no-pictures")
@@ -446,7 +447,7 @@ def test_a_cluster_loses_a_worker_and_computes_the_same_bits(local: Path, real_f
 
 def test_no_scheduler_is_a_clear_message(flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    from master import cluster
+    from master.sweeps import cluster
 
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(cluster.AeroSloshError) as caught:
@@ -456,7 +457,7 @@ def test_no_scheduler_is_a_clear_message(flutter_fmus: Path, tmp_path: Path, mon
 
 def test_another_version_on_a_worker_is_refused() -> None:
     pytest.importorskip("distributed")
-    from master import cluster
+    from master.sweeps import cluster
 
     what, content = cluster.task(None, cluster.versions() | {"numpy": "1.0"}, 1)  # type: ignore[arg-type]
     assert what == "refused" and "numpy" in content[0] and "(master: 1.0)" in content[0] and content[2]

@@ -23,7 +23,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.logging import addLoggerProxy
 
-from master import reference as references
+from master.hosts import reference as references
 
 LOG: list[tuple[int, str, str]] = []
 

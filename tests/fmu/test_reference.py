@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 from fmus.kit import build, readme
-from master import reference
 from master.errors import AeroSloshError
+from master.hosts import reference
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]

@@ -9,7 +9,13 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-LAUNCH = ["env", f"PYTHONPATH={ROOT}", sys.executable, "-m", "master.launcher"]  # from any folder, also before an installation
+LAUNCH = [
+    "env",
+    f"PYTHONPATH={ROOT}",
+    sys.executable,
+    "-m",
+    "master.hosts.launcher",
+]  # from any folder
 
 STEP = 2.0**-9  # s: a whole number of nanoseconds, in which libcosim counts, and exact in binary: times are the same in all tools
 POINTS = 13

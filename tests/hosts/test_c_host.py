@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from host_jobs import JOBS, POINTS, clean, job, settings, table
 
-from master import hosting
+from master.hosts import hosting
 
 MIDDLE = 5  # the row at which states are taken
 

@@ -15,7 +15,7 @@ import pytest
 from host_jobs import ROOT, clean
 
 from fmus.kit import cache
-from master import doctor, hosting
+from master.hosts import doctor, hosting
 
 
 def run(*words: str, code: int, **environment: str) -> dict[str, Any]:

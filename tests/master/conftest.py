@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from master import case as cases
-from master import outcome, point_file
+from master import outcome
 from master.case import Case
 from master.damping import analyse
 from master.flutter import Cost, March
 from master.record import RunFolder, provenance, write_history
 from master.similarity import scales
+from master.sweeps import point_file
 from master.verdict import Verdict
 
 HASHES = {"structure": "a" * 64, "aero": "b" * 64}

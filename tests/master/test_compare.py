@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from master import cli, history, point_file
+from master import cli, history
 from master.errors import AeroSloshError, ExitCode
 from master.flutter import March
 from master.history_difference import difference
 from master.record import provenance
+from master.sweeps import point_file
 
 ROOT = Path(__file__).parents[2]
 Writer = Callable[..., Path]

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from fmus.kit.vtk import line, structured_grid
-from master import cli, export, history, point_file, pvd
+from master import cli, export, history, pvd
 from master.errors import AeroSloshError, ExitCode
 from master.flutter import March
 from master.record import provenance
+from master.sweeps import point_file
 
 ROOT = Path(__file__).parents[2]
 Writer = Callable[..., Path]

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from master import point_file, sweep
 from master.case import Case
 from master.errors import AeroSloshError, ExitCode
-from master.jobs import Job, Product, failed
-from master.ledger import Damaged, Ledger
-from master.plan import Plan, Point
-from master.point_file import Record
-from master.sweep import Store
+from master.sweeps import point_file, sweep
+from master.sweeps.jobs import Job, Product, failed
+from master.sweeps.ledger import Damaged, Ledger
+from master.sweeps.plan import Plan, Point
+from master.sweeps.point_file import Record
+from master.sweeps.sweep import Store
 
 VERSIONS = {"numpy": "2"}
 

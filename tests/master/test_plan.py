@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from master import case as cases
-from master import parameters, plan
 from master.errors import AeroSloshError, ExitCode
-from master.plan import Plan
+from master.sweeps import parameters, plan
+from master.sweeps.plan import Plan
 
 HEAD = "[flow]\nmach = 0.5\n[flutter]\nV_f = 0.6\n"
 

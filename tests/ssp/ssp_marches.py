@@ -13,7 +13,7 @@ from master import slosh
 from master.assembly import Assembly
 from master.case import Case
 from master.coupling import Jacobi
-from master.ssp_system import Coupled
+from master.hosts.ssp_system import Coupled
 from master.system import System
 
 ROOT = Path(__file__).parents[2]

@@ -17,14 +17,15 @@ from xml.etree import ElementTree as ET
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
-from master import cli, ssp, ssp_system, ssp_units
+from master import cli
 from master.case import Coupling
 from master.component import Component
 from master.errors import AeroSloshError, ExitCode
+from master.hosts import ssp, ssp_system, ssp_units
+from master.hosts.ssp_system import Coupled, Part
 from master.rig import FlutterRig
 from master.scheme import PREDICTIONS
 from master.similarity import scales
-from master.ssp_system import Coupled, Part
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import ROOT, SMALL, Fmu, files, small

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from master import ssp, ssp_system
+from master.hosts import ssp, ssp_system
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import ROOT, Fmu, files, small

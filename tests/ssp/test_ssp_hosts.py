@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from master import assembly as assemblies
-from master import ssp, ssp_system
 from master.case import Case
+from master.hosts import ssp, ssp_system
+from master.hosts.ssp_system import Coupled
 from master.rig import FlutterRig
-from master.ssp_system import Coupled
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import (

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from master import case as cases
-from master import parameters, plan
-from master.jobs import Job
-from master.workers import Worker
+from master.sweeps import parameters, plan
+from master.sweeps.jobs import Job
+from master.sweeps.workers import Worker
 
 pytestmark = pytest.mark.validation
 CASE = Path(__file__).parents[2] / "cases" / "paper_s.toml"

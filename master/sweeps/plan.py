@@ -24,8 +24,8 @@ from master import case as cases
 from master import fmu_cache, settings, toml_text
 from master.case import Case
 from master.errors import AeroSloshError
-from master.parameters import EXAMPLE, MOST, Parameter
 from master.rig import find_fmus
+from master.sweeps.parameters import EXAMPLE, MOST, Parameter
 
 COMMON = ("section", "flow", "aero", "flutter", "coupling", "slosh")
 READS = {"point": COMMON, "boundary": (*COMMON, "boundary")}  # the tables that decide what a point's result is

@@ -1,4 +1,4 @@
-"""Make the reference result of an FMU anew: `python -m master.make_reference FMU FOLDER`.
+"""Make the reference result of an FMU anew: `python -m master.hosts.make_reference FMU FOLDER`.
 
 FOLDER holds experiment.json (see `reference`); input.csv, output.csv and picture.svg are written beside it."""
 
@@ -17,7 +17,7 @@ import fmpy
 import numpy as np
 
 from master import atomic
-from master.reference import Columns, simulate
+from master.hosts.reference import Columns, simulate
 
 
 def motion(experiment: Mapping[str, Any], names: Mapping[str, Any]) -> Columns:
@@ -103,7 +103,9 @@ def _text(columns: Columns) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Make a reference anew; returns the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m master.make_reference", description="Make an FMU's reference result anew.")
+    parser = argparse.ArgumentParser(
+        prog="python -m master.hosts.make_reference", description="Make an FMU's reference result anew."
+    )
     parser.add_argument("fmu", type=Path, help="e.g. dist/fmus/aero.fmu")
     parser.add_argument("folder", type=Path, help="e.g. fmus/aero/reference, with its experiment.json")
     options = parser.parse_args(arguments)

@@ -8,11 +8,11 @@ import json
 import os
 from typing import Any
 
-from master import sweep_results
 from master.errors import ExitCode
-from master.plan import Plan
-from master.sweep import Store
-from master.sweep_progress import duration
+from master.sweeps import results as sweep_results
+from master.sweeps.plan import Plan
+from master.sweeps.progress import duration
+from master.sweeps.sweep import Store
 
 SHOWN = 5  # causes of failures in the summary
 
@@ -24,9 +24,9 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float)
     files = ["sweep.csv"]
     store.write("sweep.csv", sweep_results.as_csv(table, plan.kind, plan.names))
     if not options.no_pictures:
-        from master import sweep_plot  # matplotlib takes half a second to import
+        from master.sweeps import plot  # matplotlib takes half a second to import
 
-        picture = sweep_plot.draw(table, plan.kind, plan.names, plan.mode == "grid")
+        picture = plot.draw(table, plan.kind, plan.names, plan.mode == "grid")
         if picture is not None:
             store.write("sweep.png", picture)
             files.append("sweep.png")

@@ -20,8 +20,8 @@ from pathlib import Path
 
 import master
 from master.errors import AeroSloshError
-from master.jobs import RIGS, Job, Probe, Product
-from master.worker import Answer
+from master.sweeps.jobs import RIGS, Job, Probe, Product
+from master.sweeps.worker import Answer
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 GROWN = 512 << 20  # bytes by which a worker's resident memory may grow
@@ -44,7 +44,7 @@ class Worker:
         place = str(Path(master.__file__).resolve().parents[1])
         path = os.pathsep.join([place, *filter(None, [os.environ.get("PYTHONPATH")])])
         self._process = subprocess.Popen(
-            [sys.executable, "-c", "from master.worker import main; main()", str(theirs.fileno()), name],
+            [sys.executable, "-c", "from master.sweeps.worker import main; main()", str(theirs.fileno()), name],
             stdin=subprocess.DEVNULL,
             stderr=self._said,
             pass_fds=[theirs.fileno()],

@@ -13,16 +13,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, flutter, fmu_cache, outcome, point_file
+from master import boundary_case, flutter, fmu_cache, outcome
 from master.case import Case
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
-from master.plan import mach_of, rig_key
-from master.point_file import Record
 from master.record import provenance
 from master.rig import FlutterRig
 from master.similarity import scales
 from master.slosh import FMU
+from master.sweeps import point_file
+from master.sweeps.plan import mach_of, rig_key
+from master.sweeps.point_file import Record
 from master.verdict import Verdict
 
 RIGS = 2  # open rigs a worker keeps

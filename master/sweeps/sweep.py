@@ -24,12 +24,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from master import atomic, jobs, point_file
+from master import atomic
 from master.errors import AeroSloshError, ExitCode
-from master.jobs import Job, Probe, Product
-from master.ledger import Damaged, Ledger, move_aside
-from master.plan import Plan
-from master.workers import Events
+from master.sweeps import jobs, point_file
+from master.sweeps.jobs import Job, Probe, Product
+from master.sweeps.ledger import Damaged, Ledger, move_aside
+from master.sweeps.plan import Plan
+from master.sweeps.workers import Events
 
 LOCK = "ledger.lock"
 TRIES = 2  # a point whose worker died is computed once more

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from master.errors import AeroSloshError
-from master.ssp_system import Part
+from master.hosts.ssp_system import Part
 
 EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 Base = dict[str, str]  # attributes of ssc:BaseUnit

@@ -19,9 +19,9 @@ from typing import Any
 
 from master import atomic, fmu_cache
 from master.errors import AeroSloshError, ExitCode
-from master.jobs import Job, Probe, Product
 from master.record import provenance, source_hash
-from master.workers import Events, Worker, WorkerDied
+from master.sweeps.jobs import Job, Probe, Product
+from master.sweeps.workers import Events, Worker, WorkerDied
 
 try:
     from distributed import Client, Future, WorkerPlugin

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from master.errors import AeroSloshError, ExitCode
-from master.plan import Plan, Point
-from master.point_file import Record
+from master.sweeps.plan import Plan, Point
+from master.sweeps.point_file import Record
 
 FORMAT = "1"
 SCHEMA = """

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from master import jobs
-from master.jobs import Job, Probe
 from master.linear import CHECK, REST, STEP, SWEEP
-from master.plan import Plan
-from master.sweep_progress import duration
+from master.sweeps import jobs
+from master.sweeps.jobs import Job, Probe
+from master.sweeps.plan import Plan
+from master.sweeps.progress import duration
 
 PROBES = 12  # rigs that are tried at most
 USUAL = 5  # marches at a Mach number of a boundary, as a rule

@@ -21,10 +21,11 @@ from importlib import metadata
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from master import atomic, ssp_units
+from master import atomic
 from master.errors import AeroSloshError
+from master.hosts import ssp_units
+from master.hosts.ssp_system import Coupled, Part
 from master.record import source_hash
-from master.ssp_system import Coupled, Part
 
 SPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",

@@ -13,9 +13,10 @@ import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from master import fmu_cache, hosting
+from master import fmu_cache
 from master.errors import AeroSloshError
-from master.finding import Finding, ok, problem, warning
+from master.hosts import hosting
+from master.hosts.finding import Finding, ok, problem, warning
 
 GLIBC = (2, 32)  # of pythonfmu's linux64 binary (__libc_single_threaded)
 PLAIN = re.compile(r"[A-Za-z0-9_.~/\\: -]+")  # any other character of a path is %XX in a URI; pythonfmu 0.7 decodes %20 alone

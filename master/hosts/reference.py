@@ -7,7 +7,7 @@ In the FMU, documentation/reference/:
     output.csv        `time` and the outputs at that time
 Values are set before a step and mean its end: a row of input.csv holds the motion one step later. So any tool that sets a row
 and steps reproduces output.csv, with nothing lagging.
-`python -m master.make_reference` makes them.
+`python -m master.hosts.make_reference` makes them.
 """
 
 from __future__ import annotations
