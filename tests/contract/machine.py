@@ -66,6 +66,7 @@ class Contract(RuleBasedStateMachine):
         self.fresh = Model(values={name: start_of(v) for name, v in self.variables.items()})
         self.model = self.fresh
         self.stop = math.inf  # belongs to the instance, not to its states
+        self.restored = False  # whether a state was set and no step compared since
         self.states: list[tuple[Any, bytes, Model]] = []
         for name, value in self.cheap.items():
             self._set(name, value)
@@ -95,36 +96,41 @@ class Contract(RuleBasedStateMachine):
             assert not any(words in error for words in KIT), error
             self._must_fail()
 
-    @initialize(running=st.sampled_from([True, True, True, False]))
-    def begin(self, running: bool) -> None:
-        """Most runs begin where there is something to lose."""
+    @initialize(running=st.sampled_from([True, True, True, False]), share=SMALL)
+    def begin(self, running: bool, share: float) -> None:
+        """Most runs begin where there is something to lose: with states to go back to."""
         if running:
-            self.recover(0.01)
-            self.step(STEP, True)
+            self.recover(share, 0)
             self.take_state()
+            self.march([0.03, -0.02], STEP, True)
 
-    @rule(share=SMALL)
-    def recover(self, share: float) -> None:
+    @rule(share=SMALL, choice=st.integers(0, 4))
+    def recover(self, share: float, choice: int) -> None:
         """A state in which all was well, or a new start, and a step with small inputs."""
         well = [k for k, (_, _, m) in enumerate(self.states) if m.mode == "running" and not m.failed and not m.refused]
         if well:
-            self._restore(well[-1], False)
+            self._restore(well[choice % len(well)], choice % 2 == 0)
         else:
             self.reset()
             self.enter()
             self.leave()
-        for name in self.inputs if not self.model.failed else ():
-            if name in self.open:
-                self._set(name, share)
+        self._move(share)
         self.step(STEP, True)
 
+    def _move(self, share: float) -> None:
+        for name in self.inputs:
+            if name in self.open:
+                self._set(name, share)
+
     @precondition(lambda self: self.model.mode == "running" and not self.model.failed and not self.model.refused)
-    @rule(values=st.lists(SMALL, min_size=1, max_size=5), size=st.sampled_from([STEP, STEP, 2 * STEP]))
-    def march(self, values: list[float], size: float) -> None:
-        """Good steps."""
+    @rule(values=st.lists(SMALL, min_size=1, max_size=5), size=st.sampled_from([STEP, STEP, 2 * STEP]), keep=st.booleans())
+    def march(self, values: list[float], size: float, keep: bool) -> None:
+        """Good steps, and the state after them."""
         for value in values:
-            self._set(self.inputs[0], value)
+            self._move(value)
             self.step(size, False)
+        if keep and len(self.states) < 5:
+            self.take_state()
 
     # -- values --
 
@@ -231,6 +237,8 @@ class Contract(RuleBasedStateMachine):
         elif status == OK:
             used = tuple((name, model.values[name]) for name in self.inputs)
             self._change(time=end, past=(*model.past, (used, size)), shown=bits(self.one.outputs()))
+            if self.restored:
+                self._replay()
         else:
             assert status == DISCARD and self.one.failed
             self._may_fail()
@@ -282,7 +290,7 @@ class Contract(RuleBasedStateMachine):
         print(f"set state {k} {packed}", flush=True)
         state, data_, model = self.states[k]
         assert self.one.take(self.one.unpack(data_) if packed else state) == OK
-        self.model = model
+        self.model, self.restored = model, True
 
     @precondition(lambda self: self.states)
     @rule(data=st.data())
@@ -331,23 +339,28 @@ class Contract(RuleBasedStateMachine):
             if self.model.shown and self.model.mode in ("running", "terminated"):
                 assert bits(self.one.outputs()) == self.model.shown
 
-    def teardown(self) -> None:
+    def _replay(self) -> None:
         """An instance that does only what was allowed stands at the same numbers."""
-        if self.model.past and self.model.shown:
-            print("replay", flush=True)
-            calm = Raw(FOLDER, "calm", logging=False)
-            start, *steps = self.model.past
-            for name, value in start.items():
+        print("replay", flush=True)
+        self.restored = False
+        calm = Raw(FOLDER, "calm", logging=False)
+        start, *steps = self.model.past
+        for name, value in start.items():
+            calm[name] = value
+        assert (calm.setup(), calm.enter(), calm.leave()) == (OK, OK, OK)
+        time = 0.0
+        for used, size in steps:
+            for name, value in used:
                 calm[name] = value
-            assert (calm.setup(), calm.enter(), calm.leave()) == (OK, OK, OK)
-            time = 0.0
-            for used, size in steps:
-                for name, value in used:
-                    calm[name] = value
-                assert calm.step(time, size) == OK, calm["error"]
-                time += size
-            assert bits(calm.outputs()) == self.model.shown
-            calm.free()
+            assert calm.step(time, size) == OK, calm["error"]
+            time += size
+        assert bits(calm.outputs()) == self.model.shown
+        calm.free()
+
+    def teardown(self) -> None:
+        """Also the end is compared."""
+        if self.model.past and self.model.shown:
+            self._replay()
         for state, _, _ in self.states:
             self.one.drop(state)
         self.one.free()
