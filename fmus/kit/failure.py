@@ -50,6 +50,11 @@ def guarded(fallback: Callable[..., Any]) -> Callable[[Callable[..., Any]], Call
 quiet = guarded(lambda *_: None)
 
 
+def printable(text: str) -> str:
+    """Return `text` as the binary can encode it: half a surrogate pair it takes for a missing string."""
+    return text.encode(errors="replace").decode()
+
+
 class Failing:
     """What an instance remembers of its failure."""
 
@@ -86,6 +91,5 @@ class Failing:
     def report(self, text: str) -> None:
         """Send `text` to the FMI log with status error."""
         # hosts print FMI log texts through printf
-        # … and the binary cannot encode half a surrogate pair
-        text = f"{self.instance_name}: {text}".replace("%", "%%").encode(errors="replace").decode()  # type: ignore[attr-defined]
+        text = printable(f"{self.instance_name}: {text}".replace("%", "%%"))  # type: ignore[attr-defined]
         self.log(text, Fmi2Status.error)  # type: ignore[attr-defined]

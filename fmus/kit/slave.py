@@ -24,8 +24,6 @@ present mode, lasts until a good state is restored or the instance is reset.
 
 from __future__ import annotations
 
-import functools
-import gc
 import inspect
 import math
 from pathlib import Path
@@ -34,8 +32,9 @@ from xml.etree.ElementTree import Element
 
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Integer, Real, String
 
-from . import xml
-from .failure import FAILURE_OUTPUTS, Failing, StepError, guarded, quiet
+from . import clock, xml
+from .binary import ByReference, check_strings, settled
+from .failure import FAILURE_OUTPUTS, Failing, StepError, guarded, printable, quiet
 from .prediction import Extrapolator
 from .state import State, check
 from .variables import UNSET, Value, Variable
@@ -48,23 +47,7 @@ _WAY = {
     TERMINATED: "reset this instance to start anew, or restore a state",
 }
 """What is to be done next in a mode, for a host that asked for something else."""
-SHORTEST = 1e-100
-"""Shortest step [s]: its square and cube still have all their digits."""
 _REGISTER = {"Real": Real, "Integer": Integer, "Boolean": Boolean, "String": String}
-
-
-class _ByReference(dict[int, Any]):
-    """What belongs to the variables of one type, by value reference."""
-
-    def __init__(self, type_: str) -> None:
-        self.type = type_
-
-    def __missing__(self, reference: int) -> Any:
-        # the binary hands references on as signed numbers
-        raise StepError(
-            f"there is no {self.type} variable with value reference {reference & 0xFFFFFFFF}. "
-            "Remedy: take references and types from modelDescription.xml of this very FMU"
-        )
 
 
 class Slave(Failing, Fmi2Slave):
@@ -109,7 +92,7 @@ class Slave(Failing, Fmi2Slave):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        cls.set_string = _SETTLED_SET_STRING  # type: ignore[method-assign, assignment]
+        cls.set_string = settled(Slave.set_string)  # type: ignore[method-assign, assignment]
         names = [variable.name for variable in (*cls.variables, *FAILURE_OUTPUTS)]
         if twice := {name for name in names if names.count(name) > 1}:
             raise TypeError(f"{cls.__name__}: variables declared twice: {', '.join(sorted(twice))}")
@@ -127,10 +110,10 @@ class Slave(Failing, Fmi2Slave):
         # fixed parameters, in order
         self._fixed = {v.name: None for v in self.variables if v.causality == "parameter" and not v.tunable}
         self._prepared: tuple[Value, ...] | None = None  # the parameters that `prepare` ran for
-        self._references = {name: _ByReference(name) for name in _REGISTER}
+        self._references = {name: ByReference(name) for name in _REGISTER}
         # what a step goes through, ready made: Real inputs with their ranges, names by reference, Real outputs
         self._ranges: dict[int, tuple[str, float, float]] = {}
-        self._names = {name: _ByReference(name) for name in _REGISTER}
+        self._names = {name: ByReference(name) for name in _REGISTER}
         self._results: list[str] = []
         self._ahead: Extrapolator | None = None  # where inputs are foretold
         for reference, variable in enumerate(self.declared):
@@ -174,12 +157,7 @@ class Slave(Failing, Fmi2Slave):
     def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
         """Note the start time and, if given, the stop time [s]."""
         self._expect(CREATED, "set up an experiment")
-        if not math.isfinite(start_time):
-            raise StepError(f"start time {start_time} is not finite. Remedy: give a finite start time")
-        if stop_time is not None and not stop_time >= start_time:
-            raise StepError(
-                f"stop time {stop_time} s is not after the start time {start_time} s. Remedy: give a later one, or none at all"
-            )
+        clock.check_experiment(start_time, stop_time)
         self.time = float(start_time)
         self._stop_time = math.inf if stop_time is None else float(stop_time)
 
@@ -219,26 +197,7 @@ class Slave(Failing, Fmi2Slave):
             return False
         if self._mode != RUNNING:
             self._expect(RUNNING, "step")
-        if not SHORTEST <= step_size < math.inf:
-            raise StepError(f"step size {step_size} s. Remedy: give a finite step size of at least {SHORTEST} s")
-        # the clock of a host may differ by rounding; written so that NaN does not pass
-        rounding = 1e-6 * step_size + 1e-15 * abs(self.time)
-        if not abs(current_time - self.time) <= rounding:
-            raise StepError(
-                f"step asked from t = {current_time!r} s but this instance stands at {self.time!r} s. "
-                "Remedy: restore the state of that time first"
-            )
-        end = current_time + step_size
-        if not current_time < end < math.inf:
-            raise StepError(
-                f"a step of {step_size!r} s from t = {current_time!r} s ends at {end!r} s in floating-point numbers. "
-                "Remedy: give a step size that the time can resolve, or start at time 0"
-            )
-        if end > self._stop_time + rounding:
-            raise StepError(
-                f"a step from t = {current_time!r} s to {end!r} s goes past the stop time {self._stop_time!r} s that was "
-                "set up. Remedy: end the last step there, or set up a later stop time or none"
-            )
+        end = clock.end_of_step(self.time, self._stop_time, current_time, step_size)
         if self._ahead is None:
             self.step(current_time, step_size)
         else:
@@ -328,8 +287,7 @@ class Slave(Failing, Fmi2Slave):
     @guarded(lambda vrs: [""] * len(vrs))
     def get_string(self, vrs: list[int]) -> list[str]:
         """Return Strings by value reference."""
-        # the binary cannot encode half a surrogate pair and takes what is missing for a string
-        return [str(value).encode(errors="replace").decode() for value in self._get("String", vrs)]
+        return [printable(str(value)) for value in self._get("String", vrs)]
 
     def _set(self, type_: str, vrs: list[int], new: list[Value]) -> None:
         declared, values = self._references[type_], self.__dict__
@@ -378,9 +336,7 @@ class Slave(Failing, Fmi2Slave):
     @quiet
     def set_string(self, vrs: list[int], values: list[str]) -> None:
         """Set Strings by value reference; a null pointer comes as None."""
-        # where bytes are no UTF-8 the binary leaves a hole in the list, which the garbage collector alone can look at
-        if len(gc.get_referents(values)) != len(values):
-            raise StepError("a string that was set is not encoded in UTF-8. Remedy: encode strings in UTF-8")
+        check_strings(values)
         self._set("String", vrs, list(values))
 
     # -- state --
@@ -435,23 +391,6 @@ class Slave(Failing, Fmi2Slave):
             return State.from_bytes(bytes(data), cls.__name__, cls.content_hash)
         except BaseException as exception:
             return State(cls.__name__, cls.content_hash, problem=str(exception) or type(exception).__name__)
-
-
-def _settled_set_string(slave: Slave) -> Any:
-    """Return `Slave.set_string` of `slave`, with no Python error pending.
-
-    Where a host sets a string that is not UTF-8 (a path in the code page of its machine), pythonfmu 0.7 asks for the method with
-    the error of decoding pending: the look-up of any method fails, which ends the process. A property of the leaf class is found
-    all the same, and an exception that is raised and caught takes the place of the one pending.
-    """
-    try:
-        raise StepError
-    except BaseException:
-        pass
-    return functools.partial(Slave.set_string, slave)
-
-
-_SETTLED_SET_STRING = property(_settled_set_string)
 
 
 def _face(cls: type) -> type:
