@@ -239,7 +239,7 @@ def test_a_point_that_kills_its_worker_twice_has_failed(flutter_fmus: Path, tmp_
 
 def test_interrupted_it_goes_on_with_resume(flutter_fmus: Path, tmp_path: Path) -> None:
     out = tmp_path / "s"
-    words = (*QUICK, *LONG, "--grid", "flutter.V_f=0.4:0.8:4", "--workers", "1")
+    words = (*QUICK, *LONG, "--grid", "flutter.V_f=0.4:0.8:10", "--workers", "1")
     with started(sweep(out, flutter_fmus, *words)) as master:
         until(lambda: len(times(out)) >= 1 if out.exists() else 0)
         workers = children(master.pid)
@@ -247,7 +247,7 @@ def test_interrupted_it_goes_on_with_resume(flutter_fmus: Path, tmp_path: Path) 
         _, said = master.communicate(timeout=20)
     assert master.returncode == 130 and "points are finished and kept, --resume goes on" in said and "Traceback" not in said
     assert not any(map(alive, workers))
-    assert "4 of 4 points done" in run(out, flutter_fmus, *words, "--resume").stdout
+    assert "10 of 10 points done" in run(out, flutter_fmus, *words, "--resume").stdout
 
 
 def test_a_second_master_is_refused_and_the_first_unharmed(flutter_fmus: Path, tmp_path: Path) -> None:
