@@ -45,7 +45,8 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
              "converged": "Boolean", "failed": "Boolean", "error": "String"}  # fmt: skip
     wanted = {"tank_length", "tank_height", "tank_width", "fill_level", "tank_x", "tank_y", "liquid_density", "gas_density",
               "liquid_viscosity", "gas_viscosity", "gravity", "cells_x", "cells_y", "cfl", "tolerance", "max_step",
-              "wall_slip", "wall_layer", "motion_prediction", "surface_tension", "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder"}  # fmt: skip
+              "wall_slip", "wall_layer", "motion_prediction", "surface_tension",
+              "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder"}  # fmt: skip
     assert kinds["input"] == motion
     assert kinds["output"] == loads
     assert set(kinds["parameter"]) == wanted
