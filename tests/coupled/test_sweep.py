@@ -106,7 +106,12 @@ def alive(pid: int) -> bool:
 @contextmanager
 def started(command: list[str]) -> Iterator[subprocess.Popen[str]]:
     """The command at work; killed at the end at the latest."""
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # a shell starts what runs in the background with interrupts ignored, which a child would inherit: not so here
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    finally:
+        signal.signal(signal.SIGINT, before)
     try:
         yield process
     finally:
