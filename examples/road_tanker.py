@@ -7,7 +7,7 @@ on the rear one, and what do baffles change? Four answers from two FMUs of aeros
 - `slosh_ems`: linear waves, milliseconds,
 - `slosh_vof`: two-phase flow, without and with two baffles: waves break, the liquid hits the roof.
 
-    python examples/road_tanker.py [--fmus dist/fmus] [--out runs/road_tanker] [--quick]
+    .venv/bin/python examples/road_tanker.py [--fmus dist/fmus] [--out runs/road_tanker] [--quick]
 
 The cells below (`# %%`) run one by one in an editor that knows them. What is special about these FMUs in a host of your own:
 

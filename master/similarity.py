@@ -39,8 +39,8 @@ class Scales:
 
     @property
     def dt(self) -> float:
-        """Communication step [s]."""
-        return self.period / self.steps_per_cycle
+        """Communication step [s], in whole nanoseconds: other tools count in them, and march what we march (docs/ssp.md)."""
+        return max(1, round(1e9 * self.period / self.steps_per_cycle)) / 1e9
 
 
 def scales(case: Case, mach: float, V_f: float) -> Scales:

@@ -69,7 +69,14 @@ SLOSH_CONSTANT = {
 TANK: dict[str, tuple[float, str, str, str, float | None, float | None]] = {
     "tank_length": (0.5, "m", "Length", "Length of the tank along the chord", 1e-6, None),
     "tank_height": (0.15, "m", "Length", "Height of the tank", 1e-6, None),
-    "tank_width": (1.0, "m", "Length", "Width of the tank along the span; 1 = loads per metre of span", 1e-6, None),
+    "tank_width": (
+        1.0,
+        "m",
+        "Length",
+        "Width of the tank along the span; 1 = loads and masses per metre of span, else those of the whole tank",
+        1e-6,
+        None,
+    ),
     "fill_level": (0.5, "1", "", "Depth of the liquid over the height of the tank", 1e-6, 1.0),
     "tank_x": (0.0, "m", "Length", "Centre of the tank aft of the elastic axis", None, None),
     "tank_y": (0.0, "m", "Length", "Centre of the tank above the elastic axis", None, None),

@@ -20,10 +20,11 @@ KINDS = {
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #1b2733; }
 h1, h2, h3 { line-height: 1.2; } h2 { margin-top: 2rem; border-bottom: 1px solid #d5dde5; }
-code, pre { font: 0.88em ui-monospace, monospace; background: #f3f6f8; } pre { padding: 0.7rem; overflow-x: auto; }
+code, pre { font: 0.88em ui-monospace, monospace; background: #f3f6f8; }
+pre { padding: 0.7rem; overflow-x: auto; font-size: 0.8em; }
 table { border-collapse: collapse; font-size: 0.9em; margin: 0.8rem 0; display: block; overflow-x: auto; }
 th, td { border: 1px solid #d5dde5; padding: 0.2rem 0.5rem; text-align: left; vertical-align: top; } th { background: #f3f6f8; }
-td:nth-child(4) { white-space: nowrap; }
+td:nth-child(3) code, td:nth-child(4):not(:last-child) { white-space: nowrap; }
 img.icon { float: right; width: 6rem; height: 6rem; margin: 0 0 1rem 1rem; } img.wide { max-width: 100%; }
 """
 

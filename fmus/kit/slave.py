@@ -106,6 +106,7 @@ class Slave(Failing, Fmi2Slave):
         self.declared: tuple[Variable, ...] = (*self.variables, *FAILURE_OUTPUTS)
         self._mode = CREATED
         self._stop_time = math.inf  # of this instance's experiment, no part of a state: a restart may go further
+        self._last = 0.0  # the step before [s]
         self._stale = True  # a variable was set since `initialize` ran
         # fixed parameters, in order
         self._fixed = {v.name: None for v in self.variables if v.causality == "parameter" and not v.tunable}
@@ -165,7 +166,7 @@ class Slave(Failing, Fmi2Slave):
     def enter_initialization_mode(self) -> None:
         """Allow `initialize` to run, as soon as an output is asked for or initialisation ends."""
         self._expect(CREATED, "enter initialisation mode")
-        self._mode, self._stale = INITIALIZING, True
+        self._mode, self._stale, self._last = INITIALIZING, True, 0.0
 
     @quiet
     def exit_initialization_mode(self) -> None:
@@ -197,7 +198,8 @@ class Slave(Failing, Fmi2Slave):
             return False
         if self._mode != RUNNING:
             self._expect(RUNNING, "step")
-        end = clock.end_of_step(self.time, self._stop_time, current_time, step_size)
+        current_time, step_size, end = clock.step(self.time, self._last, self._stop_time, current_time, step_size)
+        self._last = step_size
         if self._ahead is None:
             self.step(current_time, step_size)
         else:
@@ -209,8 +211,14 @@ class Slave(Failing, Fmi2Slave):
     def _step_ahead(self, ahead: Extrapolator, time: float, step_size: float) -> None:
         """Step with foretold inputs; a host reads back those that it set."""
         values, given = self.__dict__, self._inputs()
+        told = ahead.next(given, step_size)
+        for (name, low, high), value in zip(self._ranges.values(), told, strict=True):
+            if not low <= value <= high:
+                raise StepError(
+                    f"input '{name}' foretold as {value} is out of its range. Remedy: smaller steps, or {self.predicted_by} = 0"
+                )
         names = [name for name, _, _ in self._ranges.values()]
-        values.update(zip(names, ahead.next(given, step_size), strict=True))
+        values.update(zip(names, told, strict=True))
         try:
             self.step(time, step_size)
         finally:
@@ -346,6 +354,7 @@ class Slave(Failing, Fmi2Slave):
             values = self.__dict__
             internals = {
                 "time": self.time,
+                "last": self._last,
                 "mode": self._mode,
                 "failure": self._failure,
                 "refused": dict(self._refused),
@@ -371,7 +380,7 @@ class Slave(Failing, Fmi2Slave):
         check(state.component, state.content_hash, type(self).__name__, self.content_hash)
         self.__dict__.update(state.values)
         inner = state.internals
-        self.time, self._mode, self._stale = inner["time"], inner["mode"], True
+        self.time, self._last, self._mode, self._stale = inner["time"], inner["last"], inner["mode"], True
         self._failure, self._refused = inner["failure"], dict(inner["refused"])
         self._ahead = Extrapolator.restore(inner["ahead"]) if inner["ahead"] else None
         if self._mode == RUNNING and not self._failure:

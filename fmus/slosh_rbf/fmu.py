@@ -28,7 +28,7 @@ EQUATIONS = {"ems": False, "bilinear": True}
 class SloshRbf(Slave):
     """Slosh of a rectangular tank by a radial-basis-function network on the memory of linear waves, trained on two-phase flow."""
 
-    stop_time = 10.0
+    stop_time = 2.0
     step_size = 2e-3
     predicted_by = "motion_prediction"
 

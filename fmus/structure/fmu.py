@@ -23,7 +23,7 @@ class Structure(Slave):
     """Wing section with plunge and pitch on springs: forced pitch, release, free motion under the loads."""
 
     stop_time = 0.5
-    step_size = 8.726646259971648e-4  # 72 steps a period at 100 rad/s
+    step_size = 1e-3
     predicted_by = "load_prediction"
 
     variables = (

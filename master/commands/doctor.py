@@ -24,7 +24,7 @@ def register(commands: Any) -> None:
         "steps, a second instance, its state. Prints the environment for programs that are not Python.",
         epilog="exit codes: 0 nothing worse than warnings, 2 something is missing or wrong here, 3 an FMU failed its self-test",
     )
-    sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--fmus", type=Path, metavar="PATH", default=common.default_fmus(), help="a folder of FMUs, or one FMU")
     sub.add_argument("--no-self-test", action="store_true", help="do not run the FMUs")
     sub.add_argument("--script", type=Path, metavar="FILE", help="only write a shell script that starts other programs")
     sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
@@ -35,7 +35,7 @@ def execute(options: argparse.Namespace) -> int:
     """All findings, as they come."""
     if options.script is not None:
         return _write_script(options)
-    fmus = sorted(options.fmus.glob("*.fmu")) if options.fmus.is_dir() else []
+    fmus = [options.fmus] if options.fmus.is_file() else sorted(options.fmus.glob("*.fmu"))
     found: list[Finding] = []
 
     def add(more: list[Finding]) -> None:
@@ -45,9 +45,9 @@ def execute(options: argparse.Namespace) -> int:
 
     for look in (doctor.python, doctor.libpython, doctor.system, doctor.folders, doctor.compile_cache):
         add(look())
-    add(doctor.packages(fmus))
+    add(doctor.packages(fmus, told=not options.no_self_test))
     if not fmus:
-        remedy = "build them with `make fmus`, or give --fmus DIR"
+        remedy = "build them with `make fmus`, or give --fmus PATH"
         add([finding.problem("FMUs", f"there are no FMUs in {options.fmus}", remedy)])
     tested: list[Finding] = []
     for fmu in [] if options.no_self_test else fmus:
@@ -63,7 +63,7 @@ def execute(options: argparse.Namespace) -> int:
         print(json.dumps(result | {"findings": [row.data() for row in found]}))
     else:
         counts = {level: sum(row.level == level for row in found) for level in finding.LEVELS}
-        print(f"{counts['problem']} problems, {counts['warning']} warnings")
+        print(", ".join(f"{count} {level}{'' if count == 1 else 's'}" for level, count in counts.items() if level != "ok"))
     return code
 
 

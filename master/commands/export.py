@@ -76,7 +76,7 @@ def _add_system(formats: Any) -> None:
         "--prediction",
         choices=["none", "linear"],
         help="whether the FMUs extrapolate their inputs over a step, as SSP tools do not "
-        "(default: linear where coupling.predictor_order is above 0; docs/ssp.md)",
+        "(default: linear where coupling.predictor_order is above 0 and the scheme is not implicit; docs/ssp.md)",
     )
     sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
     sub.add_argument("--out", type=Path, metavar="FILE.ssp", help="the archive (default <case>[_<slosh>].ssp)")

@@ -21,6 +21,7 @@ from master.hosts.finding import Finding, ok, problem, warning
 GLIBC = (2, 32)  # of pythonfmu's linux64 binary (__libc_single_threaded)
 PLAIN = re.compile(r"[A-Za-z0-9_.~/\\: -]+")  # any other character of a path is %XX in a URI; pythonfmu 0.7 decodes %20 alone
 LITTLE = 200e6  # bytes free on a disk below which a folder is worth a warning
+REQUIREMENT = re.compile(r"[A-Za-z0-9][\w.-]*\s*(\[[^\]]*\])?\s*([<>=!~;].*)?")  # a name, and perhaps versions
 
 
 def python() -> list[Finding]:
@@ -128,8 +129,10 @@ def compile_cache() -> list[Finding]:
     return [ok("compiled", f"{root}: {entries} compiled functions, {size / 1e6:.1f} MB (may be removed at any time)", **values)]
 
 
-def packages(fmus: Iterable[Path]) -> list[Finding]:
-    """What each FMU asks for in resources/requirements.txt, against what is installed."""
+def packages(fmus: Iterable[Path], told: bool = False) -> list[Finding]:
+    """What each FMU asks for in resources/requirements.txt, against what is installed.
+
+    `told`: a file that cannot be read is told elsewhere."""
     asked: dict[str, dict[str, list[str]]] = {}  # package → range → FMUs
     found = []
     for fmu in fmus:
@@ -139,9 +142,12 @@ def packages(fmus: Iterable[Path]) -> list[Finding]:
         except KeyError:
             continue  # an FMU of another make
         except (OSError, zipfile.BadZipFile) as error:
-            found.append(problem(fmu.stem, f"{fmu} cannot be read: {error}", "build it again with `make fmus`"))
+            if not told:
+                found.append(problem(fmu.stem, f"{fmu} cannot be read: {error}", "build it again with `make fmus`"))
             continue
-        for line in filter(None, (line.partition("#")[0].strip() for line in lines)):
+        for line in (line.partition("#")[0].strip() for line in lines):
+            if not REQUIREMENT.fullmatch(line):
+                continue  # an address, another file, an option: pip's business
             name = re.split(r"[^\w.-]", line, maxsplit=1)[0]
             asked.setdefault(name, {}).setdefault(line[len(name) :].strip(), []).append(fmu.stem)
     for name in sorted(asked):

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 LEVELS = ("ok", "warning", "problem")  # from good to bad
+LOG = 6  # lines of what a component said that people are shown
 
 
 class Finding(NamedTuple):
@@ -50,4 +51,5 @@ def table(findings: Iterable[Finding]) -> str:
         lines.append(f"{finding.level:8} {finding.topic:12} {finding.text}")
         if finding.remedy:
             lines.append(f"{'':8} {'':12} remedy: {finding.remedy}")
+        lines += [f"{'':8} {'':12}   | {text}" for text in str(finding.values.get("log", "")).splitlines()[-LOG:]]
     return "\n".join(lines)

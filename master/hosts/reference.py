@@ -24,6 +24,7 @@ from typing import Any
 import fmpy
 import numpy as np
 
+from master import fmu_cache
 from master.errors import AeroSloshError
 
 INSIDE = "documentation/reference/"
@@ -65,7 +66,12 @@ def read(fmu: Path) -> Reference:
         with zipfile.ZipFile(fmu) as archive:
             texts = {name: archive.read(INSIDE + name).decode() for name in ("experiment.json", "input.csv", "output.csv")}
         experiment = json.loads(texts["experiment.json"])
-        return Reference(experiment, _columns(texts["input.csv"]), _columns(texts["output.csv"]))
+        if missing := {"start_values", "step_size", "stop_time", "outputs"} - set(experiment):
+            raise ValueError(f"experiment.json lacks {', '.join(sorted(missing))}")
+        known = Reference(experiment, _columns(texts["input.csv"], "input.csv"), _columns(texts["output.csv"], "output.csv"))
+        if missing := set(experiment["outputs"]) - set(known.outputs):
+            raise ValueError(f"output.csv lacks {', '.join(sorted(missing))}")
+        return known
     except KeyError as error:
         raise AeroSloshError(
             f"The FMU carries no reference result ({error.args[0]})", str(fmu), "build the FMUs of this project with `make fmus`"
@@ -99,15 +105,18 @@ def simulate(fmu: Path, experiment: Mapping[str, Any], inputs: Columns) -> Colum
 def check(fmu: Path) -> list[Difference]:
     """Run the FMU's own reference experiment and return how far each output is from it. Raises AeroSloshError."""
     reference = read(fmu)
-    found = simulate(fmu, reference.experiment, reference.inputs)
+    folder, _ = fmu_cache.unzip(fmu)  # a plain path, whatever the temporary folder is called
+    found = simulate(folder, reference.experiment, reference.inputs)
     return [
         Difference(name, _distance(found[name], reference.outputs[name]), float(allowed))
         for name, allowed in reference.experiment["outputs"].items()
     ]
 
 
-def _columns(text: str) -> Columns:
+def _columns(text: str, name: str) -> Columns:
     rows = list(csv.reader(io.StringIO(text)))
+    if len(rows) < 3 or len({len(row) for row in rows}) != 1:
+        raise ValueError(f"the rows of {name} are not of one length")
     values = np.array(rows[1:], dtype=float)
     return {name: values[:, column] for column, name in enumerate(rows[0])}
 

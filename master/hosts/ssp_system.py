@@ -161,7 +161,9 @@ def _refuse(coupling: Coupling, where: str) -> None:
 
 def _predict(parts: list[Part], coupling: Coupling, wish: str | None) -> list[str]:
     """Switch the FMUs' prediction on where it is wished for; what the archive does not say of the coupling."""
-    on = coupling.predictor_order > 0 if wish is None else wish == "linear"
+    # the order of an implicit scheme is a first guess, and a loop that needs it is too strong to be extrapolated
+    own = coupling.predictor_order > 0 and coupling.scheme != "implicit"
+    on = own if wish is None else wish == "linear"
     without = []
     for part in parts:
         names = [name for name in PREDICTIONS if name in part.variables]
@@ -178,7 +180,10 @@ def _predict(parts: list[Part], coupling: Coupling, wish: str | None) -> list[st
     if on and without:
         notes.append(f"No prediction of their own have {', '.join(without)}: their inputs are late by a step.")
     if coupling.scheme == "implicit":
-        notes.append("A system that needs implicit coupling may diverge in such a tool, at any step.")
+        notes.append(
+            "A system that needs implicit coupling may diverge in such a tool, at any step; with --prediction linear it does "
+            "where the load that is exchanged weighs more than a third of the rest."
+        )
     return notes
 
 

@@ -615,7 +615,8 @@ def predicted(path: str, switch: str, values: dict[str, Any], names: list[str], 
         new = [1e-3 * math.sin((3.0 + place) * 40.0 * time) for place in range(len(names))]
         for one in [ahead, told] + ([resumed] if resumed else []):
             for name, a, b in zip(names, new, old, strict=True):
-                one[name] = a + step_size / past * (a - b) if one is told else a
+                share = step_size / past
+                one[name] = (1.0 + share) * a - share * b if one is told else a
             assert one.step(time, step_size) == 0, one["error"]
         assert [ahead[name] for name in names] == new  # a host reads back what it set
         rows["ahead"].append([ahead[name].hex() for name in outputs])

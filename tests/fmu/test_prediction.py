@@ -37,3 +37,6 @@ def test_the_first_step_holds_and_equal_steps_are_the_masters_weights() -> None:
     assert ahead.next([1.0, -2.0], 0.1) == [1.0, -2.0]
     assert ahead.next([1.5, -1.0], 0.1) == [2.0 * 1.5 - 1.0, 2.0 * -1.0 + 2.0]
     assert ahead.next([2.0, 0.0], 0.05) == [2.25, 0.5]
+    assert ahead.next([2.0, 0.0], 10.0) == [2.0, 0.0]  # no slope, however long the step
+    assert ahead.next([3.0, 0.0], 1e-6) == [pytest.approx(3.0), 0.0]
+    assert ahead.next([4.0, 0.0], 1.0) == [6.0, 0.0]  # a jump in a tiny step is not followed a million times
