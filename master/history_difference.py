@@ -122,6 +122,8 @@ def _paired(a: History, b: History, common: list[str]) -> tuple[str, str, np.nda
     points = min(inside, key=len)
     unit = " s" if axis == "time" else ""
     how_text = f"interpolated linearly at {points.size} common {AXES[axis]} from {low:.4g} to {high:.4g}{unit}: the grids differ"
+    if axis == "tau":
+        how_text = f"at equal tau, {how_text}"
     pairs = {c: (np.interp(points, x, a.values[c]), np.interp(points, y, b.values[c])) for c in common if c not in AXES}
     return axis, how_text, points, pairs
 

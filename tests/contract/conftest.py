@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,6 +14,7 @@ import fmpy
 import pytest
 
 HERE = Path(__file__).resolve().parent
+ENVIRONMENT = dict(os.environ)  # a copy: pytest writes to its own while a thread starts a process
 COMPONENTS = ("structure", "aero", "slosh_vof", "slosh_ems", "slosh_rbf")
 Results = dict[str, str]
 
@@ -50,7 +52,7 @@ def _run(module: str, folders: dict[str, str], component: str) -> Results:
     try:
         done = subprocess.run(
             [sys.executable, str(HERE / "runner.py"), module, json.dumps(folders), component],
-            capture_output=True, timeout=300, cwd=folders[component],
+            capture_output=True, timeout=300, cwd=folders[component], env=ENVIRONMENT,
         )  # fmt: skip
         code, out, said = str(done.returncode), done.stdout, done.stderr
     except subprocess.TimeoutExpired as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent
+ENVIRONMENT = dict(os.environ)  # a copy: pytest writes to its own while a thread starts a process
 COMPONENTS = ("structure", "aero", "slosh_vof", "slosh_ems", "slosh_rbf")
 
 
@@ -18,7 +20,9 @@ def fuzz(folder: str, examples: int, calls: int, seed: str, limit: float) -> str
     """What the machine found, "" if nothing: its falsifying example, or the calls up to the signal or the time limit."""
     command = [sys.executable, str(HERE / "machine.py"), folder, str(examples), str(calls), seed]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit, cwd=folder)
+        done = subprocess.run(
+            command, capture_output=True, text=True, errors="replace", timeout=limit, cwd=folder, env=ENVIRONMENT
+        )
         code, out, said = str(done.returncode), done.stdout, done.stderr
     except subprocess.TimeoutExpired as error:
         code, out, said = (

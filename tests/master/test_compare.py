@@ -128,7 +128,8 @@ def test_other_speeds_are_compared_at_equal_tau(point_run: Writer, made_up: Marc
     slow, fast = (history.read(point_run(f"v{v}", made_up(V_f=v)) / "history.nc")[0] for v in (0.5, 0.6))
     told = difference("history", slow, fast)
     assert told.axis == "tau" and "equal tau" in told.how
-    assert max(c.relative for c in told.channels if c.name in ("alpha", "h")) < 1e-9
+    # the steps are whole nanoseconds: their tau differ by 1e-7 of a step, over all of them 2e-5
+    assert max(c.relative for c in told.channels if c.name in ("alpha", "h")) < 2e-5
 
 
 def test_not_a_number_on_one_side_is_no_small_difference(
