@@ -15,10 +15,10 @@ GROWTH = 2.0
 
 
 def prediction(name: str, what: str) -> Variable:
-    """Declare the switch `name` of an FMU whose inputs are `what` ("loads", "motion"). An Integer: several tools that read SSP
+    """Declare the switch `name` of an FMU whose inputs are `what` ("load", "motion"). An Integer: several tools that read SSP
     pass over enumerations.
     """
-    text = f"Input {what} is that at 0: the end of the step, 1: its start, and extrapolated linearly over it"
+    text = f"What input {what} means: 0 values at the end of the step, 1 values at its start, extrapolated linearly over it"
     return parameter(name, 0, "", text, min=0, max=1)
 
 

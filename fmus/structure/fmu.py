@@ -45,7 +45,7 @@ class Structure(Slave):
         parameter("initial_alpha_dot", 0.0, "rad/s", f"Pitch rate at the start{FREE}"),
         parameter("trim_lift", 0.0, "N/m", "Lift held by the trim, taken off the input lift"),
         parameter("trim_moment", 0.0, "N", "Moment held by the trim, taken off the input moment"),
-        prediction("load_prediction", "loads"),
+        prediction("load_prediction", "load"),
         *wing_load_inputs(),
         *motion_outputs(acceleration_initially=LOADS),
         output("released", "", "True from the release on", type=bool),
