@@ -40,7 +40,12 @@ class Scales:
     @property
     def dt(self) -> float:
         """Communication step [s], in whole nanoseconds: other tools count in them, and march what we march (docs/ssp.md)."""
-        return max(1, round(1e9 * self.period / self.steps_per_cycle)) / 1e9
+        return whole_nanoseconds(self.period / self.steps_per_cycle)
+
+
+def whole_nanoseconds(dt: float) -> float:
+    """The nearest step [s] that is a whole number of them, correctly rounded as a tool that counts them has it."""
+    return round(1e9 * dt) / 1e9
 
 
 def scales(case: Case, mach: float, V_f: float) -> Scales:

@@ -20,7 +20,7 @@ from .mesh import o_mesh
 SOUND_STEP = 0.8
 """Longest internal step in chords that sound travels."""
 MOST_PARTS = 10_000
-"""Most internal steps of a communication step: a minute or so."""
+"""Most internal steps of a communication step; 2 ms each on the default mesh."""
 
 
 class Aero(Slave):
@@ -28,7 +28,6 @@ class Aero(Slave):
 
     stop_time = 0.1
     step_size = 1e-3
-    predicted_by = "motion_prediction"
 
     variables = (
         parameter("mach", 0.8, "1", "Freestream Mach number", min=0.05, max=0.98),
@@ -45,7 +44,7 @@ class Aero(Slave):
         parameter("max_subiterations", 25, "", "Most subiterations a step", min=3, max=1000),
         parameter("max_step", 0.5, "1", "Longest internal step in chords of travel at freestream speed", min=1e-3, max=10.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
-        prediction("motion_prediction", "motion"),
+        prediction("motion"),
         *motion_inputs(),
         input_("write_fields", False, "", "Write mesh, Mach field and surface pressure at the end of this step"),
         *aero_outputs(depends_initially=("alpha",)),

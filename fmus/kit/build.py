@@ -4,9 +4,9 @@ A component is a folder of `fmus/` with a `fmu.py` that holds one subclass of `S
 
     modelDescription.xml
     binaries/{linux64,win64}/<component>.{so,dll}     pythonfmu's wrapper
-    resources/<component>_<hash>/                     the sources, laid out as in fmus/ (kit/, <component>/,
-    ...) resources/<component>_<hash>_slave.py             generated: pins its globals, holds the one leaf
-    class resources/pythonfmu/                              pythonfmu itself, embedded
+    resources/<component>_<hash>/                     the sources, laid out as in fmus/: kit/, <component>/ …
+    resources/<component>_<hash>_slave.py             generated from SCRIPT, holds the one leaf class
+    resources/pythonfmu/                              pythonfmu itself, embedded
     resources/requirements.txt                        the packages this FMU imports
     documentation/                                    index.html, README, reference result, licences
     model.png                                         icon

@@ -88,9 +88,8 @@ def variable_tables(description: Element) -> str:
 
 def table(rows: Iterable[Iterable[str]]) -> str:
     """Return a Markdown table; the first row is the header."""
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
-    lines.insert(1, "|" + "---|" * lines[0].count(" | ") + "---|")
-    return "\n".join(lines)
+    header, *body = [[cell.replace("|", "\\|") for cell in row] for row in rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in (header, ["---"] * len(header), *body))
 
 
 def _shown(kind: Element) -> str:

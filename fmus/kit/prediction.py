@@ -11,15 +11,18 @@ from typing import Any
 
 from .variables import Variable, parameter
 
+SUFFIX = "_prediction"
 GROWTH = 2.0
+"""Most times its last change by which an input is extrapolated."""
 
 
-def prediction(name: str, what: str) -> Variable:
-    """Declare the switch `name` of an FMU whose inputs are `what` ("load", "motion"). An Integer: several tools that read SSP
-    pass over enumerations.
+def prediction(what: str) -> Variable:
+    """Declare the switch of an FMU whose inputs are `what` ("load", "motion"); the slave finds it by its name.
+
+    An Integer: several tools that read SSP pass over enumerations.
     """
     text = f"What input {what} means: 0 values at the end of the step, 1 values at its start, extrapolated linearly over it"
-    return parameter(name, 0, "", text, min=0, max=1)
+    return parameter(f"{what}{SUFFIX}", 0, "", text, min=0, max=1)
 
 
 class Extrapolator:

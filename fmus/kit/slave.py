@@ -35,7 +35,7 @@ from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Integer, Real, String
 from . import clock, xml
 from .binary import ByReference, check_strings, settled
 from .failure import FAILURE_OUTPUTS, Failing, StepError, guarded, printable, quiet
-from .prediction import Extrapolator
+from .prediction import SUFFIX, Extrapolator
 from .state import State, check
 from .variables import UNSET, Value, Variable
 
@@ -58,7 +58,6 @@ class Slave(Failing, Fmi2Slave):
     content_hash: ClassVar[str] = ""  # "" where the face runs from the source tree
     stop_time: ClassVar[float] = 1.0  # default experiment [s]
     step_size: ClassVar[float] = 1e-3  # default experiment [s]
-    predicted_by: ClassVar[str] = ""  # the variable that switches the prediction of inputs on, where there is one
 
     # -- what a component writes --
 
@@ -116,7 +115,9 @@ class Slave(Failing, Fmi2Slave):
         self._ranges: dict[int, tuple[str, float, float]] = {}
         self._names = {name: ByReference(name) for name in _REGISTER}
         self._results: list[str] = []
-        self._ahead: Extrapolator | None = None  # where inputs are foretold
+        # the variable that switches the prediction of inputs on, and what foretells them
+        self._switch = next((variable.name for variable in self.variables if variable.name.endswith(SUFFIX)), "")
+        self._ahead: Extrapolator | None = None
         for reference, variable in enumerate(self.declared):
             if variable.name in self.__dict__:
                 raise TypeError(f"{self.modelName}: variable name '{variable.name}' is taken by the base class")
@@ -166,7 +167,7 @@ class Slave(Failing, Fmi2Slave):
     def enter_initialization_mode(self) -> None:
         """Allow `initialize` to run, as soon as an output is asked for or initialisation ends."""
         self._expect(CREATED, "enter initialisation mode")
-        self._mode, self._stale, self._last = INITIALIZING, True, 0.0
+        self._mode, self._stale = INITIALIZING, True
 
     @quiet
     def exit_initialization_mode(self) -> None:
@@ -175,8 +176,7 @@ class Slave(Failing, Fmi2Slave):
         if self._refused:
             raise StepError(f"not initialised, a value was refused: {' '.join(self._refused.values())}")
         self._initialize()
-        predicts = bool(self.predicted_by) and getattr(self, self.predicted_by)
-        self._ahead = Extrapolator(self._inputs()) if predicts else None
+        self._ahead = Extrapolator(self._inputs()) if self._switch and getattr(self, self._switch) else None
         self._mode = RUNNING
 
     def _expect(self, mode: str, wish: str) -> None:
@@ -210,19 +210,17 @@ class Slave(Failing, Fmi2Slave):
 
     def _step_ahead(self, ahead: Extrapolator, time: float, step_size: float) -> None:
         """Step with foretold inputs; a host reads back those that it set."""
-        values, given = self.__dict__, self._inputs()
-        told = ahead.next(given, step_size)
-        for (name, low, high), value in zip(self._ranges.values(), told, strict=True):
-            if not low <= value <= high:
-                raise StepError(
-                    f"input '{name}' foretold as {value} is out of its range. Remedy: smaller steps, or {self.predicted_by} = 0"
-                )
-        names = [name for name, _, _ in self._ranges.values()]
-        values.update(zip(names, told, strict=True))
+        given, ranges = self._inputs(), self._ranges.values()
         try:
+            for (name, low, high), value in zip(ranges, ahead.next(given, step_size), strict=True):
+                if not low <= value <= high:
+                    raise StepError(
+                        f"input '{name}' foretold as {value} is out of its range. Remedy: smaller steps, or {self._switch} = 0"
+                    )
+                self.__dict__[name] = value
             self.step(time, step_size)
         finally:
-            values.update(zip(names, given, strict=True))
+            self.__dict__.update((name, value) for (name, _, _), value in zip(ranges, given, strict=True))
 
     def _inputs(self) -> list[float]:
         values = self.__dict__

@@ -31,7 +31,6 @@ class SloshEms(Slave):
 
     stop_time = 10.0
     step_size = 1e-2
-    predicted_by = "motion_prediction"
 
     variables = (
         *tank_parameters(),
@@ -40,7 +39,7 @@ class SloshEms(Slave):
                   max=LARGEST_DAMPING),
         choice("limit", "low", LIMITS, "What the modes left out do"),
         parameter("parametric", False, "", "Gravity of the moment and finite angles (parametric slosh) instead of linear slosh"),
-        prediction("motion_prediction", "motion"),
+        prediction("motion"),
         *motion_inputs(),
         *surge_inputs(),
         *slosh_outputs(),

@@ -30,12 +30,11 @@ class SloshRbf(Slave):
 
     stop_time = 2.0
     step_size = 2e-3
-    predicted_by = "motion_prediction"
 
     variables = (
         *tank_parameters(),
         parameter("network", "default", "", "Trained network in the FMU's resources, or bilinear or ems: equations alone"),
-        prediction("motion_prediction", "motion"),
+        prediction("motion"),
         *motion_inputs(),
         *surge_inputs(),
         *slosh_outputs(),

@@ -31,7 +31,6 @@ class SloshVof(Slave):
 
     stop_time = 2.0
     step_size = 2e-3
-    predicted_by = "motion_prediction"
 
     variables = (
         *tank_parameters(),
@@ -48,7 +47,7 @@ class SloshVof(Slave):
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),
         parameter("baffle_top", Baffles.top, "1", "Their tip over the tank's height", min=0.0, max=1.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
-        prediction("motion_prediction", "motion"),
+        prediction("motion"),
         *motion_inputs(LIMITS),
         *surge_inputs(LIMITS),
         input_("write_fields", False, "", "Write the fields at the end of this step (or at the start)"),

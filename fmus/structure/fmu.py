@@ -24,7 +24,6 @@ class Structure(Slave):
 
     stop_time = 0.5
     step_size = 1e-3
-    predicted_by = "load_prediction"
 
     variables = (
         parameter("mass", 57.73, "kg/m", "Mass per metre of span, without liquid", min=1e-9),
@@ -45,7 +44,7 @@ class Structure(Slave):
         parameter("initial_alpha_dot", 0.0, "rad/s", f"Pitch rate at the start{FREE}"),
         parameter("trim_lift", 0.0, "N/m", "Lift held by the trim, taken off the input lift"),
         parameter("trim_moment", 0.0, "N", "Moment held by the trim, taken off the input moment"),
-        prediction("load_prediction", "load"),
+        prediction("load"),
         *wing_load_inputs(),
         *motion_outputs(acceleration_initially=LOADS),
         output("released", "", "True from the release on", type=bool),

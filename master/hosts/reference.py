@@ -113,10 +113,10 @@ def check(fmu: Path) -> list[Difference]:
     ]
 
 
-def _columns(text: str, name: str) -> Columns:
+def _columns(text: str, file: str) -> Columns:
     rows = list(csv.reader(io.StringIO(text)))
     if len(rows) < 3 or len({len(row) for row in rows}) != 1:
-        raise ValueError(f"the rows of {name} are not of one length")
+        raise ValueError(f"the rows of {file} are not of one length")
     values = np.array(rows[1:], dtype=float)
     return {name: values[:, column] for column, name in enumerate(rows[0])}
 

@@ -25,9 +25,8 @@ from master.case import Case, Coupling
 from master.errors import AeroSloshError
 from master.rig import FlutterRig
 from master.scheme import PREDICTIONS
+from master.similarity import whole_nanoseconds
 from master.system import System, Wire
-
-NANO = 1e-9  # s: libcosim counts time in whole nanoseconds
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ def from_case(
     protocol = "forced pitch, release, free motion" if case.flutter.forced_cycles > 0.0 else "free motion"
     about = f"Wing section at Mach {case.flow.mach:g}, V_f {case.flutter.V_f:g}, {liquid}: {protocol}."
     steps = flutter.length(case, s)[1]
-    return Coupled(case.name, about, parts, connections, 0.0, _whole(s.dt), steps, cases.dump(case), notes)
+    return Coupled(case.name, about, parts, connections, 0.0, s.dt, steps, cases.dump(case), notes)
 
 
 def from_assembly(assembly: Assembly, fmus: dict[str, Path], prediction: str | None = None) -> Coupled:
@@ -142,10 +141,9 @@ def _parts(system: System) -> list[Part]:
 
 def _whole(dt: float) -> float:
     """`dt` [s] in whole nanoseconds. Raises AeroSloshError below one."""
-    count = round(dt / NANO)
-    if count < 1:
+    if not (whole := whole_nanoseconds(dt)):
         raise AeroSloshError(f"The step is {dt:g} s", "run.step", "give a step of at least a nanosecond: SSP tools count in them")
-    return count / 1e9  # correctly rounded, what a tool that counts nanoseconds makes of them; count * 1e-9 is not
+    return whole
 
 
 def _refuse(coupling: Coupling, where: str) -> None:
