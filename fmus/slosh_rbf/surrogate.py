@@ -17,7 +17,7 @@ from .readout import EVEN, ODD, SPACE, features
 
 NO_LAGS: Array = np.zeros(0)
 MOST_TURNS = 1e6
-"""Most radians of the fastest wave watched in one step: a few seconds of work."""
+"""Most radians of the fastest wave watched in one step: about a second of work."""
 SAME_SHAPE = 0.02
 """Relative difference of depth over length up to which a network holds: first-mode frequencies then differ by 1 %."""
 
