@@ -8,15 +8,18 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from master.damping import Fit, Mode
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
 from master.linear import LinearCrossing, LinearModel
 from master.roots import Crossing, Sample
 from master.search import SLOPE, crossings, propose
-from master.verdict import Verdict
+from master.verdict import SURE_STIFFNESS, Verdict
 from master.wording import counted, plus_minus
 
 VAGUE = 0.05  # a growth rate (over omega_alpha) less certain than this is none
+OTHERS = 2.0  # the residual's noise of a mode that the fit's error bar is not of, times this
+STATIC_SHARE = 0.005  # of a channel, from which a real pole is read
 GROSS = 0.005  # one less certain than this tells, where the motion outgrew linear motion, its sign alone
 
 Marcher = Callable[[float], March]  # V_f → march
@@ -41,7 +44,8 @@ class Prediction:
 class BoundaryPoint:
     """What the search found at one Mach number. `outcome` says in words what it means; `crossings` may be empty.
 
-    `marches` are the search's, `checks` those for the error bars' parts step, amplitude and mesh."""
+    `marches` are the search's, `checks` those for the error bars' parts step, amplitude and mesh. `divergence`: the V_f of static
+    divergence by two steady solutions alone, inf where there is none, nan where it is not known."""
 
     mach: float
     crossings: list[Crossing]
@@ -54,22 +58,47 @@ class BoundaryPoint:
     linear: LinearModel | None = None
     predictions: list[Prediction] = field(default_factory=list)
     checks: list[March] = field(default_factory=list, repr=False)
+    divergence: float = math.nan
 
 
 def sample(march: March) -> Sample:
-    """What the search sees of a march; a fit spoilt by a failure or by too few cycles counts as none.
+    """What the search sees of a march's oscillations; a fit spoilt by a failure or by too few cycles counts as none.
 
     A motion that grew beyond reach within a cycle or two, or one in a limit cycle that no exponential describes, tells that
     small motions grow there, and no more: a limit cycle is kept up by what grows below it."""
     fit, V_f = march.fit, march.scales.V_f
-    std = fit.growth_rate_uncertainty if fit is not None and math.isfinite(fit.growth_rate) else math.inf
-    grew = march.verdict is Verdict.FLUTTER and (fit is None or std > VAGUE or std > max(GROSS, fit.growth_rate / 3.0))
+    mode = fit.oscillation if fit is not None else None
+    std = oscillation_std(fit, mode) if fit is not None and mode is not None else math.inf
+    grew = march.verdict is Verdict.FLUTTER and (mode is None or std > VAGUE or std > max(GROSS, mode.growth_rate / 3.0))
     cycles = march.verdict is Verdict.LIMIT_CYCLE and std > GROSS
     if march.failure is None and (grew or cycles):
         return Sample(V_f, math.nan, math.nan, math.nan, grows=True)
-    if fit is None or not std <= VAGUE:
+    if mode is None or not std <= VAGUE:
         return Sample(V_f, math.nan, math.nan, math.nan)
-    return Sample(V_f, fit.growth_rate, std, fit.frequency)
+    return Sample(V_f, mode.growth_rate, std, mode.frequency)
+
+
+def oscillation_std(fit: Fit, mode: Mode) -> float:
+    """Standard deviation of the growth rate of `mode`; inf when it is no number."""
+    std = fit.growth_rate_uncertainty if mode is fit.flutter else OTHERS * mode.growth_rate_std
+    return std if math.isfinite(mode.growth_rate + std) else math.inf
+
+
+def static_sample(march: March) -> Sample:
+    """What the search sees of a march's real pole that passes through zero at static divergence: frequency 0.
+
+    Where the steady flow leaves pitch stiffness it decays, else it grows: of the poles fitted the least stable, if it does. A
+    growing one that no fit can read, because the motion is soon beyond reach, tells its sign."""
+    V_f, fit = march.scales.V_f, march.fit
+    diverges, sure = march.stiffness < 0.0, abs(march.stiffness) > SURE_STIFFNESS
+    nothing = Sample(V_f, math.nan, math.nan, math.nan, grows=diverges and sure and march.failure is None)
+    if fit is None or march.failure is not None:
+        return nothing
+    mode = max((m for m in fit.reals if m.share >= STATIC_SHARE), key=lambda m: m.growth_rate, default=None)
+    std = oscillation_std(fit, mode) if mode is not None else math.inf
+    if mode is None or std > VAGUE or (sure and (mode.growth_rate > 0.0) is not diverges):
+        return nothing
+    return Sample(V_f, mode.growth_rate, std, 0.0)
 
 
 def search(
@@ -170,7 +199,7 @@ def outcome_text(
 ) -> str:
     """One line for people: the crossings, whether each meets the tolerance, and the number of marches `n`."""
     if found:
-        texts = [f"{c.direction} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}" for c in found]
+        texts = [f"{c.name} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}" for c in found]
         if not any(c.met for c in found):
             return f"{', '.join(texts)}; tolerance not met in {counted(n, 'march')}"
         marked = [text if c.met else f"{text} (tolerance not met)" for text, c in zip(texts, found, strict=True)]

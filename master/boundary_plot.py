@@ -16,7 +16,7 @@ from master.search import Crossing
 from master.slosh import LABEL
 
 NEAR = 0.45  # crossings of neighbouring Mach numbers further apart than this in ln V_f and ln frequency are not joined
-COLORS = {"onset": BLUE, "recovery": GREEN}
+COLORS = {"onset": BLUE, "recovery": GREEN, "divergence": RED, "end of divergence": RED}
 Found = Crossing | LinearCrossing
 
 
@@ -31,7 +31,7 @@ def branches(rows: list[tuple[float, list[Found]]]) -> list[list[tuple[float, Fo
             (_distance(branch[-1][1], c), i, j)
             for i, branch in enumerate(growing)
             for j, c in enumerate(crossings)
-            if branch[-1][1].direction == c.direction
+            if branch[-1][1].name == c.name
         )
         taken: dict[int, int] = {}
         for distance, i, j in pairs:
@@ -64,7 +64,7 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
         linear = [(p.mach, [q.crossing for q in p.predictions]) for p in points if p.predictions]
         for branch in branches([(m, list(c)) for m, c in linear]):
             machs, values = [m for m, _ in branch], [c.V_f for _, c in branch]
-            color = COLORS[branch[0][1].direction]
+            color = COLORS[branch[0][1].name]
             top.plot(machs, values, "-", marker="." if len(branch) == 1 else "", color=color, lw=0.8, ms=3, zorder=1)
             low.plot(machs, [c.frequency for _, c in branch], "-", color=color, lw=0.8, zorder=1)
         marched = [(p.mach, [c for c in p.crossings if c.source == "march"]) for p in points]
@@ -72,8 +72,8 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
             if not linear:
                 top.plot([m for m, _ in branch], [c.V_f for _, c in branch], "-", color=GREY, lw=0.8, zorder=1)
                 low.plot([m for m, _ in branch], [c.frequency for _, c in branch], "-", color=GREY, lw=0.8, zorder=1)
-        for direction, mark in (("onset", "o"), ("recovery", "D")):
-            found = [(m, c.V_f, c.uncertainty, c.frequency) for m, cs in marched for c in cs if c.direction == direction]
+        for direction, mark in (("onset", "o"), ("recovery", "D"), ("divergence", "^")):
+            found = [(m, c.V_f, c.uncertainty, c.frequency) for m, cs in marched for c in cs if c.name == direction]
             if not found:
                 continue
             mach, value, error, frequency = (np.array(column) for column in zip(*found, strict=True))
@@ -84,7 +84,7 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
         if missed:
             top.plot(*zip(*missed, strict=True), "x", color=RED, ms=6, label="linear, not confirmed", zorder=3)
         for direction, color in COLORS.items():
-            if any(c.direction == direction for _, cs in linear for c in cs):
+            if any(c.name == direction for _, cs in linear for c in cs):
                 top.plot([], [], "-", color=color, lw=0.8, label=f"{direction}{frozen}, linear model")
         if reference is not None:
             _published(top, reference, points[0].mach - 0.05, points[-1].mach + 0.05)

@@ -64,6 +64,14 @@ class Flutter:
     forced_cycles: float = key(2.0, "forced periods; 0 starts free", "cycles", low=0.0, high=100.0)
     forced_ramp_cycles: float = key(1.0, "forced periods in which the amplitude grows", "cycles", low=0.0, high=100.0)
     free_cycles: float = key(5.0, "free periods after release", "cycles", low=1.5, high=1000.0)
+    max_free_cycles: float | str = key(
+        "auto",
+        "a march whose verdict is not settled goes on to this many free periods; auto: 8 x free_cycles, 80 at most",
+        "cycles",
+        low=1.5,
+        high=10000.0,
+        choices=["auto"],
+    )
     steps_per_cycle: int | str = key(
         "auto",
         "steps a period; auto: 0.2 chords of travel, at least 72",

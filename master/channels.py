@@ -43,15 +43,16 @@ class History:
         columns = [n for n, (c, out, _, _) in REALS.items() if c in running and (c != "slosh" or out in running[c])]
         self.values = {name: np.zeros(n) for name in columns}
         self.values |= {"subiterations": np.zeros(n), "passes": np.zeros(n)}
-        self._reals = [
+        self._places = [
             (
-                self.values[name],
+                name,
                 rig.system[component].outputs.values,
                 rig.system[component].output_index[output],
             )
             for name, (component, output, _, _) in REALS.items()
             if name in self.values and output in running[component]
         ]
+        self._reals = [(self.values[name], outputs, position) for name, outputs, position in self._places]
         whole = rig.aero.whole
         self._subiterations = whole.names.index("subiterations") if "subiterations" in whole.names else None
         self._converged = [
@@ -69,6 +70,12 @@ class History:
         for _, truth, _ in self._converged:
             truth.get()
         return [name for name, truth, place in self._converged if not truth.values[place]]
+
+    def extend(self, n: int) -> None:
+        """Room for `n` samples in all."""
+        for name, column in self.values.items():
+            self.values[name] = np.concatenate([column, np.zeros(n - column.size)])
+        self._reals = [(self.values[name], outputs, position) for name, outputs, position in self._places]
 
     def restore(self, values: Mapping[str, np.ndarray]) -> None:
         """Samples of an earlier part of the march, each (n,)."""

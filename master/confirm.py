@@ -15,8 +15,9 @@ from collections.abc import Callable
 import numpy as np
 
 from master import linear
-from master.boundary import BoundaryPoint, Marcher, Prediction, outcome_text, sample, search
+from master.boundary import VAGUE, BoundaryPoint, Marcher, Prediction, oscillation_std, outcome_text, sample, search, static_sample
 from master.case import Case
+from master.damping import Mode
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
 from master.linear import LinearCrossing, LinearModel
@@ -26,6 +27,7 @@ from master.uncertainty import Spread
 from master.wording import plus_minus
 
 SAME_MODE = 0.25  # relative difference of frequency within which two crossings, or a fitted mode and a crossing, are one mode
+HIDES = 0.1  # growth rate from which another pole hides a crossing: a factor 20 in five periods
 REACH = 1.35  # a crossing is looked for within this factor of its predicted V_f
 SHARED = 0.05  # marches of other crossings this near (relative) count
 
@@ -65,13 +67,14 @@ class Confirm:
             self.say("  the linear model carries the liquid frozen; marches let it slosh")
         expected = model.crossings(low, high)
         for c in expected:
-            self.say(f"  linear: {c.direction} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}, frequency {c.frequency:.4f}")
+            self.say(f"  linear: {c.name} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}, frequency {c.frequency:.4f}")
         if not self.marching:
             point = _unmarched(mach, model, expected, low, high)
         elif expected:
             point = self._confirmed(marcher, mach, model, expected)
         else:
             point = self._none_expected(marcher, mach, model)
+        point.divergence = self._divergence(mach)
         point.wall = clock.perf_counter() - begin
         return point
 
@@ -82,13 +85,38 @@ class Confirm:
         b, begin = self.case.boundary, clock.perf_counter()
         low, high = b.V_f_range
         point = search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope, done)
+        point.divergence = self._divergence(mach)
+        if low <= point.divergence <= high:
+            self._add_divergence(point, marcher)
         if b.uncertainty or b.richardson:
-            spread = self._spread(mach, sample)
-            point.crossings = [spread.widened(c, point.marches) if c.met else c for c in point.crossings]
-            point.checks = spread.marches
+            for i, c in enumerate(point.crossings):
+                spread = self._spread(mach, sample if c.frequency else static_sample)
+                point.crossings[i] = spread.widened(c, point.marches) if c.met else c
+                point.checks += spread.marches
             point.outcome = outcome_text(point.crossings, point.samples, low, high, len(point.marches), point.failure)
         point.wall = clock.perf_counter() - begin
         return point
+
+    def _divergence(self, mach: float) -> float:
+        """The V_f of static divergence by two steady solutions; nan where they could not be had."""
+        try:
+            return self.rig_at(mach).divergence()
+        except AeroSloshError:
+            return math.nan
+
+    def _add_divergence(self, point: BoundaryPoint, marcher: Marcher) -> None:
+        """March at the divergence that the steady flow promises, and add what is found to `point`."""
+        b, V_f = self.case.boundary, point.divergence
+        near = [m for m in point.marches if abs(m.scales.V_f / V_f - 1.0) < SHARED and static_sample(m).known]
+        most, low, high = len(near) + max(3, b.max_marches // 2), V_f / REACH, V_f * REACH
+        part = search(marcher, point.mach, V_f, low, high, b.tolerance, most, None, near, static_sample)
+        point.marches += part.marches[len(near) :]
+        point.samples += part.samples[len(near) :]
+        point.crossings = sorted([*point.crossings, *part.crossings], key=lambda c: c.V_f)
+        point.converged = any(c.met for c in point.crossings)
+        point.failure = part.failure or point.failure
+        low, high = b.V_f_range
+        point.outcome = outcome_text(point.crossings, point.samples, low, high, len(point.marches), point.failure)
 
     def _spread(self, mach: float, take: Callable[[March], Sample]) -> Spread:
         return Spread(self.case, mach, self.rig_at(mach), self.open_rig, take, self.say)
@@ -103,10 +131,15 @@ class Confirm:
         predictions: list[Prediction] = []
         failure: ComponentError | None = None
         for c in expected:
+            hidden = _hidden(c, model)
+            if hidden:
+                predictions.append(Prediction(c, "not marched", None, hidden))
+                found.append(_as_crossing(c))
+                continue
             low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
 
             def take(march: March, c: LinearCrossing = c) -> Sample:
-                return mode_sample(march, c.frequency)
+                return static_sample(march) if c.kind == "divergence" else mode_sample(march, c, model)
 
             near = [m for m in marches if abs(m.scales.V_f / c.V_f - 1.0) < SHARED and take(m).known]
             most = len(near) + max(3, b.max_marches // 2)
@@ -125,8 +158,8 @@ class Confirm:
             found += [] if marched is None else [marched]
         found.sort(key=lambda x: x.V_f)
         text = outcome_text(found, samples, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
-        text = "; ".join([text, *[p.text for p in predictions if p.state == "contradicted"]])
-        sure = bool(found) and all(x.met for x in found)
+        text = "; ".join([text, *[p.text for p in predictions if p.text and p.state != "confirmed"]])
+        sure = bool(found) and all(x.met for x in found) and any(x.source == "march" for x in found)
         return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions, checks)
 
     def _none_expected(self, marcher: Marcher, mach: float, model: LinearModel) -> BoundaryPoint:
@@ -152,17 +185,46 @@ class Confirm:
         return BoundaryPoint(mach, [], [sample(m) for m in marches], text, agreed, marches, 0.0, failure, model)
 
 
-def mode_sample(march: March, frequency: float) -> Sample:
-    """The growth rate of the fitted mode nearest to `frequency` (over omega_alpha); none when no visible mode is near."""
-    whole, fit = sample(march), march.fit
-    if fit is None or not whole.known or frequency <= 0.0:
+def _hidden(c: LinearCrossing, model: LinearModel) -> str:
+    """Why no march can show `c`: another pole grows so much there that the motion is soon beyond reach; else nothing."""
+    values = model.spectrum(c.V_f)
+    others = values[(values.imag >= 0.0) & (np.abs(values - 1j * c.frequency) > 0.02)]
+    worst = others[np.argmax(others.real)]
+    if worst.real < HIDES:
+        return ""
+    what = "flutter" if worst.imag else "divergence"
+    return f"linear {c.name} at V_f = {c.V_f:.4f} not marched: {what} that grows at {worst.real:+.2f} omega_alpha hides it there"
+
+
+def _as_crossing(c: LinearCrossing) -> Crossing:
+    """A crossing of the linear model as a result."""
+    return Crossing(c.V_f, c.frequency, c.direction, c.slope, True, {"model": c.uncertainty}, met=True, source="linear")
+
+
+def mode_sample(march: March, c: LinearCrossing, model: LinearModel) -> Sample:
+    """The growth rate of the fitted mode that the linear model's crossing `c` is of; none when no visible mode is near.
+
+    At the march's V_f the model says where that mode's eigenvalue is, and where the others are: of two close modes each is
+    taken for the one whose eigenvalue is nearer."""
+    V_f, whole, fit = march.scales.V_f, sample(march), march.fit
+    if fit is None:
         return dataclasses.replace(whole, grows=False)  # what grew may be another mode
-    near = [m for m in fit.modes if abs(m.frequency - frequency) <= SAME_MODE * frequency and m.share >= 0.005]
-    if not near:
-        return Sample(march.scales.V_f, math.nan, math.nan, math.nan)
-    mode = min(near, key=lambda m: abs(m.frequency - frequency))
-    std = whole.std if mode is fit.flutter else math.hypot(mode.growth_rate_std, whole.std)
-    return Sample(march.scales.V_f, mode.growth_rate, std, mode.frequency)
+    expected = model.eigenvalues(V_f)
+    own = expected[np.argmin(np.abs(expected - complex(c.slope * (V_f - c.V_f), c.frequency)))]
+    near = [m for m in fit.modes if abs(m.frequency - own.imag) <= SAME_MODE * own.imag and m.share >= 0.005]
+    if len(near) > 1:
+        others = [e for e in expected if e is not own and abs(e.imag - own.imag) <= 2.0 * SAME_MODE * own.imag]
+        mine = [m for m in near if all(abs(_pole(m) - own) <= abs(_pole(m) - e) for e in others)]
+        near = mine or near
+    mode = min(near, key=lambda m: abs(_pole(m) - own), default=None)
+    std = oscillation_std(fit, mode) if mode is not None else math.inf
+    if mode is None or std > VAGUE:
+        return Sample(V_f, math.nan, math.nan, math.nan)
+    return Sample(V_f, mode.growth_rate, std, mode.frequency)
+
+
+def _pole(mode: Mode) -> complex:
+    return complex(mode.growth_rate, mode.frequency)
 
 
 def _to_probe(model: LinearModel, low: float, high: float) -> list[float]:
@@ -188,7 +250,7 @@ def _window(c: LinearCrossing, expected: list[LinearCrossing], low: float, high:
 
 def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint, model: LinearModel) -> Prediction:
     """What marches said of `c`, in words."""
-    said = f"linear {c.direction} at V_f = {c.V_f:.4f} (sweeps of {model.amplitude_deg:g}°)"
+    said = f"linear {c.name} at V_f = {c.V_f:.4f} (sweeps of {model.amplitude_deg:g}°)"
     if marched is not None:
         return Prediction(c, "confirmed", marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
     known = [s for s in part.samples if s.known]
@@ -201,10 +263,7 @@ def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint
 
 def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:
     """The linear model's crossings as the result."""
-    found = [
-        Crossing(c.V_f, c.frequency, c.direction, c.slope, True, {"model": c.uncertainty}, met=True, source="linear")
-        for c in expected
-    ]
+    found = [_as_crossing(c) for c in expected]
     text = outcome_text(found, [], low, high, 0, None)
     if not found:
         rate = max(float(model.eigenvalues(v)[0].real) for v in (low, high))

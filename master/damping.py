@@ -1,30 +1,43 @@
-"""Growth rate and frequency of a free response, with uncertainties.
+"""Growth rates and frequencies of a free response, with uncertainties.
 
-Plunge and pitch are fitted together by exponentials with shared poles (module `poles`).
-1. The number of modes, and whether a real decay goes with them, is what the Bayesian information criterion prefers.
-2. The part just after the release, where quickly damped aerodynamic modes live, is skipped when that
-   halves the residual's variance.
-3. The flutter mode is the least damped one that makes a visible share of a channel.
-4. Uncertainty (one standard deviation): residual covariance, widened for correlated residuals; and what
-   of the change under another window (first or last cycle dropped) or a richer model exceeds that noise.
+Plunge and pitch are fitted together by exponentials with shared poles (module `poles`): oscillations, and real poles of any sign.
+1. How many of each, and whether a constant goes with them, is what an information criterion prefers, among all that matrix
+   pencils of every order suggest.
+2. The part just after the release, where quickly damped aerodynamic modes live, is skipped when that halves the residual's
+   variance.
+3. The critical pole is the least stable one that stands out of the residual; harmonics of a stronger mode are none of their own.
+4. Uncertainty (one standard deviation): residual covariance, widened for correlated residuals; and what of the change under
+   another window (first or last part dropped) or a richer model exceeds that noise.
+5. Forecast: what a fit of the first 70 % of the window says of the rest. Exponentials that fit a response without describing it
+   (an amplitude limit, a beat not yet seen) fail there.
 Times are τ = ω_α t, rates σ/ω_α, frequencies ω/ω_α: all dimensionless.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from master.poles import Solution, pencil, refine
+from master.pencil import pencil
+from master.poles import Poles, Solution, refine
 
-MAX_MODES = 4
-SIGNIFICANT = 0.02  # a mode counts when it makes this share of a channel's rms
+MOST = 12  # dimensions of the signal's space: two an oscillation, one a real pole
+PATIENCE = 3  # orders tried without a better fit before the search ends
+VISIBLE = 0.02  # a pole counts when it makes this share of a channel
+SUSPECT = 1e-3, 10.0, 5.0  # one that grows and has this share, and this many residuals, and this many standard deviations, may yet
+HARMONIC = 0.005  # relative distance from a multiple of a stronger mode's pole within which a weaker one is its harmonic
+PAIR_PAYS = 30.0  # by which a close pair of oscillations must lower the residual's variance
+FORECAST_SHARE = 2e-3  # a pole with less may be left out of a forecast
+DEAD = 0.05  # of the whole rms: what is left of a motion that has died
+SLOW = 3.0  # 1/span: a real pole slower than this is nearly a constant
+LONG = 12.0 * np.pi  # a window from which slow poles are looked for with a coarse pencil too
+SAMPLES = 1500  # longer signals are thinned to this many for the fit
 
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode: growth rate, frequency, and its part of each channel at the start of the window."""
+    """One pole: growth rate, frequency (0 for a real pole), and its part of each channel at the start of the window."""
 
     growth_rate: float
     frequency: float
@@ -35,17 +48,18 @@ class Mode:
 
     @property
     def damping_ratio(self) -> float:
-        """zeta = -sigma / omega."""
-        return -self.growth_rate / self.frequency
+        """zeta = -sigma / omega; nan for a real pole."""
+        return -self.growth_rate / self.frequency if self.frequency else float("nan")
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted free response. `growth_rate`, `frequency` belong to the flutter mode (the least damped
-    that counts)."""
+    """A fitted free response. `growth_rate`, `frequency` belong to the critical mode: the least damped oscillation that counts,
+    or a growing real pole (frequency 0)."""
 
-    modes: list[Mode]
-    flutter: Mode
+    modes: list[Mode]  # oscillations
+    reals: list[Mode]  # real poles: wake, slow plunge, divergence
+    flutter: Mode  # the critical one
     growth_rate: float
     growth_rate_uncertainty: float
     frequency: float
@@ -54,21 +68,38 @@ class Fit:
     start: float  # tau of the window's first sample
     end: float
     residual: float  # rms of the residual / rms of the signal, all channels
-    decays: list[tuple[float, np.ndarray]] = field(default_factory=list)  # rate, amplitudes (n_channels,)
+    forecast: float  # rms of what a fit of the first 70 % misses of the rest / rms of the rest; inf when there is none
+    constant_share: float = 0.0  # largest share of a channel's rms
     contributions: dict[str, float] = field(default_factory=dict)  # parts of the growth rate's uncertainty
+
+    @property
+    def oscillation(self) -> Mode | None:
+        """The least damped oscillation that counts; None when the response does not oscillate."""
+        if self.flutter.frequency or not self.modes:
+            return self.flutter if self.flutter.frequency else None
+        return _critical(self.modes, [])
+
+    @property
+    def suspects(self) -> list[Mode]:
+        """Poles too small to count that grow: a longer window shows whether they are motion."""
+        share, residuals, sure = SUSPECT
+        return [
+            m
+            for m in [*self.modes, *self.reals]
+            if max(share, residuals * self.residual) <= m.share < VISIBLE and m.growth_rate > sure * m.growth_rate_std
+            and not _harmonic(m, self.modes)
+        ]
 
     def curve(self, tau: np.ndarray) -> np.ndarray:
         """The model at `tau`. Shape: (n_channels, n)."""
         t = tau - self.start
         total = np.repeat(self.constants[:, None], t.size, axis=1)
-        for mode in self.modes:
-            total += (mode.amplitudes[:, None] * np.exp((mode.growth_rate + 1j * mode.frequency) * t)).real
-        for rate, amplitudes in self.decays:
-            total += amplitudes[:, None] * np.exp(rate * t)
+        for mode in [*self.modes, *self.reals]:
+            total = total + (mode.amplitudes[:, None] * np.exp((mode.growth_rate + 1j * mode.frequency) * t)).real
         return total
 
     def envelope(self, tau: np.ndarray) -> np.ndarray:
-        """Amplitude of the flutter mode at `tau`. Shape: (n_channels, n)."""
+        """Amplitude of the critical mode at `tau`. Shape: (n_channels, n)."""
         return np.abs(self.flutter.amplitudes)[:, None] * np.exp(self.growth_rate * (tau - self.start))
 
 
@@ -77,6 +108,9 @@ def analyse(tau: np.ndarray, channels: np.ndarray) -> Fit | None:
     y = np.atleast_2d(np.asarray(channels, dtype=float))
     if tau.size < 24 or not np.all(np.isfinite(y)):
         return None
+    stride = max(1, (tau.size - 1) // SAMPLES)
+    last = (tau.size - 1) % stride  # the end counts: growth shows there
+    tau, y = tau[last::stride], y[:, last::stride]
     spread = np.std(y, axis=1)
     if not np.any(spread > 0.0):
         return None
@@ -85,68 +119,82 @@ def analyse(tau: np.ndarray, channels: np.ndarray) -> Fit | None:
     base, start = _choose(tau, z)
     if base is None:
         return None
-    k = _flutter_mode(base)
-    std = np.sqrt(np.diag(base.covariance)).reshape(-1, 2)
-    extra, parts = _sensitivity(tau, z, base, start, k)
-    uncertainty = np.hypot(std[k], extra)
-    modes = [
-        Mode(float(p[0]), float(p[1]), a * scale, float(s), float(e[0]), float(e[1]))
-        for p, a, s, e in zip(base.poles, base.amplitudes, base.shares, std, strict=True)
-    ]
-    parts = {"residual": float(std[k, 0])} | parts
+    tau, z = tau[start:], z[:, start:]
+    modes, reals = _modes(base, scale)
+    residual = float(np.sqrt(base.variance))
+    critical = _critical(modes, reals)
+    extra, parts = _sensitivity(tau, z, base, critical)
+    parts = {"residual": critical.growth_rate_std} | parts
+    constant = float(np.max(np.abs(base.constants) / np.maximum(np.std(z, axis=1), 1e-300)))
     return Fit(
         modes,
-        modes[k],
-        float(base.poles[k, 0]),
-        float(uncertainty[0]),
-        float(base.poles[k, 1]),
-        float(uncertainty[1]),
+        reals,
+        critical,
+        critical.growth_rate,
+        float(np.hypot(critical.growth_rate_std, extra[0])),
+        critical.frequency,
+        float(np.hypot(critical.frequency_std, extra[1])),
         base.constants * scale,
-        float(tau[start]),
+        float(tau[0]),
         float(tau[-1]),
-        float(np.sqrt(base.variance)),
-        [(float(r), a * scale) for r, a in zip(base.decays, base.decay_amplitudes, strict=True)],
+        residual,
+        _forecast(tau, z, base),
+        constant,
         parts,
     )
 
 
-def local_rates(tau: np.ndarray, channels: np.ndarray, fit: Fit, parts: int = 2) -> np.ndarray:
-    """Growth rate of the flutter mode in `parts` equal pieces of the window, one mode each. Shape:
-    (parts,); may be nan.
+def _modes(base: Solution, scale: np.ndarray) -> tuple[list[Mode], list[Mode]]:
+    """Oscillations and real poles of a solution whose channels were divided by `scale`."""
+    oscillations = [
+        Mode(float(p[0]), float(p[1]), a * scale, float(s), float(e[0]), float(e[1]))
+        for p, a, s, e in zip(base.poles.oscillations, base.amplitudes, base.shares, base.std, strict=True)
+    ]
+    reals = [
+        Mode(float(p), 0.0, a * scale, float(s), float(e), 0.0)
+        for p, a, s, e in zip(base.poles.reals, base.real_amplitudes, base.real_shares, base.real_std, strict=True)
+    ]
+    return oscillations, reals
 
-    Tells a limit cycle (growth that dies out) from growth: there the pieces differ.
-    """
-    inside = np.flatnonzero(tau >= fit.start - 1e-9)
-    # near ones stay: they may be how the whole window's fit imitates a limit
-    other = [m for m in fit.modes if abs(m.frequency - fit.frequency) > 0.5 * fit.frequency]
-    rates = np.full(parts, np.nan)
-    one = np.array([[fit.growth_rate, fit.frequency]])
-    for i, piece in enumerate(np.array_split(inside, parts)):
-        y = channels[:, piece].astype(float)
-        for mode in other:  # what the whole window says of the other modes is taken away first
-            y = y - (mode.amplitudes[:, None] * np.exp((mode.growth_rate + 1j * mode.frequency) * (tau[piece] - fit.start))).real
-        spread = np.std(y, axis=1)
-        if piece.size < 12 or not np.all(spread > 0.0):
-            continue
-        raw = refine(tau[piece], y / spread[:, None], one, np.empty(0))
-        if raw is not None:
-            rates[i] = raw.poles[0, 0]
-    return rates
+
+def _critical(modes: list[Mode], reals: list[Mode]) -> Mode:
+    """The least stable pole that counts and whose rate is known: an oscillation, unless a real pole grows more."""
+    own = [m for m in modes if not _harmonic(m, modes)]
+    known = [m for m in own if m.share >= VISIBLE and m.growth_rate_std < 0.05]
+    best = max(known or own, key=lambda m: m.growth_rate if known else m.share, default=None)
+    rising = [m for m in reals if m.share >= VISIBLE and m.growth_rate > SUSPECT[2] * m.growth_rate_std]
+    real = max(rising if best is not None else reals, key=lambda m: m.growth_rate, default=None)
+    if best is None or (real is not None and real.growth_rate > max(best.growth_rate, 0.0)):
+        assert real is not None  # a solution has poles
+        return real
+    return best
+
+
+def _harmonic(mode: Mode, modes: list[Mode]) -> bool:
+    """Whether `mode` is what a nonlinear response adds at twice or three times a stronger mode's pole."""
+    for other in modes:
+        for n in (2, 3):
+            near = max(3.0 * (mode.frequency_std + n * other.frequency_std), HARMONIC * mode.frequency)
+            same = abs(mode.frequency - n * other.frequency) < near
+            alike = abs(mode.growth_rate - n * other.growth_rate) < max(near, 3.0 * mode.growth_rate_std)
+            if other.share > 5.0 * mode.share and same and alike:
+                return True
+    return False
 
 
 def _choose(tau: np.ndarray, z: np.ndarray) -> tuple[Solution | None, int]:
-    """The number of modes and the first sample of the window."""
+    """The fit, and the first sample of its window."""
     best, start = _best_order(tau, z), 0
-    if best is None:
-        return None, 0
-    frequency = best.poles[_flutter_mode(best), 1]
-    cycle = 2.0 * np.pi / (frequency * (tau[1] - tau[0]))
+    if best is None or not len(best.poles.oscillations):
+        return best, 0
+    omega = best.poles.oscillations[int(np.argmax(best.shares)), 1]
+    cycle = 2.0 * np.pi / (omega * (tau[1] - tau[0]))
     for skip in (0.25, 0.5, 0.75):
         first = round(skip * cycle)
         if tau.size - first < max(2.5 * cycle, 24):
             break
-        for decays in {best.decays.size: best.decays, 0: best.decays[:0]}.values():
-            trial = refine(tau[first:], z[:, first:], best.poles, decays)
+        for reals in {best.poles.reals.size: best.poles.reals, 0: best.poles.reals[:0]}.values():
+            trial = refine(tau[first:], z[:, first:], replace(best.poles, reals=reals))
             # a later window must pay for the samples it leaves out: half the residual variance
             if trial is not None and trial.variance < 0.5 * best.variance:
                 best, start = trial, first
@@ -154,59 +202,114 @@ def _choose(tau: np.ndarray, z: np.ndarray) -> tuple[Solution | None, int]:
 
 
 def _best_order(tau: np.ndarray, z: np.ndarray) -> Solution | None:
-    """The fit with the lowest information criterion: 1 to MAX_MODES oscillations, without or with a decay."""
-    span = float(tau[-1] - tau[0])
-    fits: list[Solution] = []
-    for poles in pencil(float(tau[1] - tau[0]), z, MAX_MODES):
-        new = [raw for decays in (np.empty(0), np.array([-10.0 / span])) if (raw := refine(tau, z, poles, decays)) is not None]
-        better = not fits or not new or min(r.score for r in new) < min(r.score for r in fits)
-        fits += new
-        if not better:
+    """The fit with the lowest information criterion, of all orders that matrix pencils suggest, without or with a constant.
+
+    One with two oscillations that the window cannot tell apart must explain far more than those without: a growth rate that
+    changes with the amplitude looks the same."""
+    dt = float(tau[1] - tau[0])
+    best: dict[bool, Solution] = {}  # by whether two oscillations are close
+
+    def consider(new: Solution | None) -> bool:
+        if new is None or ((old := best.get(close := _has_close_pair(new))) is not None and old.score <= new.score):
+            return False
+        best[close] = new
+        return True
+
+    for coarse in (False, True):
+        if coarse and z.shape[1] * dt < LONG:
             break
-    return min(fits, key=lambda raw: raw.score, default=None)
+        idle = 0
+        for first in pencil(dt, z, MOST, coarse):
+            idle = 0 if consider(refine(tau, z, first)) or not best else idle + 1
+            if idle >= PATIENCE:
+                break
+    if not best:
+        consider(refine(tau, z, Poles(np.empty((0, 2)), np.array([0.1]), False)))  # nothing but a drift
+    for found in list(best.values()):
+        poles = found.poles
+        consider(refine(tau, z, replace(poles, constant=True)))
+        if poles.size > 1 and poles.reals.size:  # a constant in place of the slowest real pole
+            fewer = np.delete(poles.reals, int(np.argmin(np.abs(poles.reals))))
+            consider(refine(tau, z, replace(poles, constant=True, reals=fewer)))
+    apart, close = best.get(False), best.get(True)
+    if apart is None or close is None:
+        return apart or close
+    return close if close.variance < apart.variance / PAIR_PAYS else apart
 
 
-def _flutter_mode(raw: Solution) -> int:
-    """Index of the least damped mode that makes a significant share of a channel and whose rate is known."""
-    known = np.sqrt(np.maximum(np.diag(raw.covariance)[0::2], 0.0)) < 0.05
-    counts = np.flatnonzero((raw.shares >= SIGNIFICANT) & known)
-    if counts.size == 0:
-        return int(np.argmax(raw.shares))
-    return int(counts[np.argmax(raw.poles[counts, 0])])
+def _has_close_pair(solution: Solution) -> bool:
+    """Whether two oscillations beat less than once within the window and decay alike, or cannot be told from each other; or a
+    slow real pole goes with a constant."""
+    poles, std, span = solution.poles.oscillations, solution.std, solution.span
+    for i in range(len(poles)):
+        for j in range(i):
+            apart = float(np.hypot(*(poles[i] - poles[j])))
+            if apart * span < 2.0 * np.pi:
+                return True
+            if apart < 2.0 * float(np.hypot(np.max(std[i]), np.max(std[j]))):
+                return True
+    return solution.poles.constant and bool(np.any(np.abs(solution.poles.reals) * span < SLOW))
 
 
-def _sensitivity(tau: np.ndarray, z: np.ndarray, base: Solution, start: int, k: int) -> tuple[np.ndarray, dict[str, float]]:
-    """What window and order change in (sigma, omega) of mode k beyond noise: (2,), and the parts for sigma.
+def _forecast(tau: np.ndarray, z: np.ndarray, base: Solution) -> float:
+    """What the same poles, fitted to the first 70 % of the window, miss of the rest, relative to its rms, or to a part of the
+    whole's where the motion has died."""
+    cut = round(0.7 * tau.size)
+    poles, least = base.poles, FORECAST_SHARE
+    large = replace(poles, oscillations=poles.oscillations[base.shares > least], reals=poles.reals[base.real_shares > least])
+    part = refine(tau[:cut], z[:, :cut], poles) or refine(tau[:cut], z[:, :cut], large)
+    if part is None:
+        return float("inf")
+    rest = z[:, cut:]
+    with np.errstate(over="ignore", invalid="ignore"):
+        missed = part.curve(tau[cut:] - tau[0]) - rest
+    value = float(np.sqrt(np.mean(missed**2) / max(np.mean(rest**2), DEAD**2 * np.mean(z**2), 1e-300)))
+    return value if np.isfinite(value) else float("inf")
+
+
+def _sensitivity(tau: np.ndarray, z: np.ndarray, base: Solution, critical: Mode) -> tuple[np.ndarray, dict[str, float]]:
+    """What window and order change in (sigma, omega) of the critical mode beyond noise: (2,), and the parts for sigma.
 
     A sub-window's estimate scatters about the whole window's with variance var_sub − var_whole when only
     noise is at work; just the excess counts.
     """
-    omega = base.poles[k, 1]
-    cycle = round(2.0 * np.pi / (omega * (tau[1] - tau[0])))
-    whole = np.diag(base.covariance)[2 * k : 2 * k + 2]
+    dt = tau[1] - tau[0]
+    cycle = round(2.0 * np.pi / (critical.frequency * dt)) if critical.frequency else tau.size // 5
+    whole = np.array([critical.growth_rate_std, critical.frequency_std]) ** 2
     trials: dict[str, Solution | None] = {}
-    if tau.size - start - cycle >= max(24, round(1.5 * cycle)):
-        trials["first_cycle"] = refine(tau[start + cycle :], z[:, start + cycle :], base.poles, base.decays)
-        trials["last_cycle"] = refine(tau[start : tau.size - cycle], z[:, start : tau.size - cycle], base.poles, base.decays)
-    larger = len(base.poles) + 1
-    for more in pencil(float(tau[1] - tau[0]), z[:, start:], larger):
-        if len(more) == larger:
-            trials["order"] = refine(tau[start:], z[:, start:], more, base.decays)
-    if not base.decays.size:
-        slow = np.array([-10.0 / (tau[-1] - tau[start])])
-        trials["decay"] = refine(tau[start:], z[:, start:], base.poles, slow)
+    if tau.size - cycle >= max(24, round(1.5 * cycle)):
+        trials["first_cycle"] = refine(tau[cycle:], z[:, cycle:], base.poles)
+        trials["last_cycle"] = refine(tau[:-cycle], z[:, :-cycle], base.poles)
+    size = base.poles.size
+    richer = [p for p in pencil(float(dt), z, min(MOST, size + 3)) if p.size in (size + 1, size + 2)]
+    if richer:
+        trials["order"] = refine(tau, z, replace(richer[-1], constant=base.poles.constant))
+    trials["constant"] = refine(tau, z, replace(base.poles, constant=not base.poles.constant))
     total, parts = np.zeros(2), {}
     for name, trial in trials.items():
-        if trial is None:
+        found = _nearest(trial, critical) if trial is not None and (name != "order" or not _has_close_pair(trial)) else None
+        if found is None:
             continue
-        j = int(np.argmin(np.abs(trial.poles[:, 1] - omega)))
-        change = trial.poles[j] - base.poles[k]
-        if abs(change[1]) > 0.2 * omega:
-            continue  # not the same mode
-        noise = np.maximum(np.diag(trial.covariance)[2 * j : 2 * j + 2] - whole, 0.0)
-        excess = np.maximum(change**2 - noise, 0.0)
+        value, variance = found
+        change = value - np.array([critical.growth_rate, critical.frequency])
+        excess = np.maximum(change**2 - np.maximum(variance - whole, 0.0), 0.0)
         # the two windows bracket the whole one: half of each change is the wider of two readings
         weight = 0.25 if name.endswith("cycle") else 1.0
         total += weight * excess
         parts[name] = float(np.sqrt(weight * excess[0]))
     return np.sqrt(total), parts
+
+
+def _nearest(trial: Solution, mode: Mode) -> tuple[np.ndarray, np.ndarray] | None:
+    """(sigma, omega) and their variances of the pole of `trial` that is `mode`; None when none is."""
+    if mode.frequency:
+        poles, std = trial.poles.oscillations, trial.std
+    else:
+        reals = trial.poles.reals
+        poles, std = np.column_stack([reals, 0.0 * reals]), np.column_stack([trial.real_std, 0.0 * reals])
+    if not len(poles):
+        return None
+    j = int(np.argmin(np.hypot(poles[:, 0] - mode.growth_rate, poles[:, 1] - mode.frequency)))
+    if abs(poles[j, 1] - mode.frequency) > 0.2 * mode.frequency:
+        return None
+    return poles[j], std[j] ** 2

@@ -41,6 +41,18 @@ class Fields:
         if wanted:
             self._taken.append(step)
 
+    def again(self, steps: Iterable[int]) -> None:
+        """The march goes on: `steps` instead of those before, whose files go."""
+        if self._folder is None or not self._steps:
+            return
+        if self._writing:
+            self._writing = False
+            self._aero.set("write_fields", False)
+        for pattern in ("fields_*.vts", "surface_*.vtp"):
+            for path in sorted(self._source.glob(pattern))[-len(self._taken) :] if self._taken and self._source else []:
+                path.unlink()
+        self._steps, self._taken = set(steps), []
+
     def end(self, done: int, failed: bool) -> list[tuple[int, Path]]:
         """The march is over after `done` steps that count; returns step and file of each flow field, oldest first."""
         if failed:  # in the step after the last one: it wrote nothing

@@ -22,7 +22,14 @@ from master.rig import FlutterRig
 from master.scheme import Statistics
 from master.similarity import Scales
 from master.system import System
-from master.verdict import Verdict, judge
+from master.verdict import Judgement, Verdict, judge
+
+QUARTERS = (0.75, 0.5, 0.25, 0.0)  # of the last period: instants of the flow fields
+GROWTH = 1.5  # a march that is not settled goes on by this factor
+MOST_TIMES, MOST_CYCLES = 8.0, 80.0  # max_free_cycles = "auto"
+PERIODS = 1.25  # of the slower natural mode that a verdict needs
+MORE = "add free cycles (flutter.free_cycles, flutter.max_free_cycles)"
+TIMES_LARGER = 3.0  # a motion that outgrew max_alpha_deg by this factor since its release grows
 
 Watcher = Callable[[int, int, System], None]  # step, steps, system
 
@@ -50,7 +57,9 @@ class March:
     failure        the component failure that ended the march, if one did; `stopped` any other early end
     unconverged    steps whose coupling iteration, or whose iteration inside aero or slosh, did not converge
     slosh          the liquid's model; its channels are in the history where it has them
-    scheme         what the coupling scheme took (`Statistics.data`)"""
+    scheme         what the coupling scheme took (`Statistics.data`)
+    settled        whether more cycles could not change the verdict; `remedy` says what to do where there is none
+    stiffness      pitch stiffness that the steady flow leaves, over the structure's own; nan where not known"""
 
     scales: Scales
     history: dict[str, np.ndarray]
@@ -65,6 +74,9 @@ class March:
     fields: list[tuple[float, Path]] = field(default_factory=list)
     slosh: str = "none"
     scheme: dict[str, Any] = field(default_factory=dict)
+    settled: bool = True
+    remedy: str = ""
+    stiffness: float = math.nan
 
     @property
     def tau(self) -> np.ndarray:
@@ -81,6 +93,43 @@ def length(case: Case, s: Scales) -> tuple[int, int]:
     """Steps of the forced phase, and of the whole march."""
     release = round(case.flutter.forced_cycles / case.flutter.forced_frequency * s.steps_per_cycle)
     return release, release + round(case.flutter.free_cycles * s.steps_per_cycle)
+
+
+@dataclass(frozen=True)
+class Span:
+    """How long a march is, in steps: to the release, to the first look at its free response, and at most.
+
+    least  what shows the slower of the section's two natural modes for PERIODS of its own: no verdict but growth before"""
+
+    release: int
+    planned: int
+    least: int
+    most: int
+
+    @classmethod
+    def of(cls, case: Case, s: Scales) -> Span:
+        """That of `case`. A limit that the case leaves to us is no shorter than `least`, within MOST_CYCLES."""
+        f, (release, planned) = case.flutter, length(case, s)
+        least = PERIODS / max(slower_frequency(case), 1e-3)
+        if isinstance(f.max_free_cycles, float | int):
+            most = float(f.max_free_cycles)
+        else:
+            most = min(max(MOST_TIMES * f.free_cycles, least), MOST_CYCLES)
+        steps = [release + math.ceil(cycles * s.steps_per_cycle) for cycles in (least, most)]
+        return cls(release, planned, steps[0], max(planned, steps[1]))
+
+    def longer(self, steps: int) -> int:
+        """Where a march that is not settled after `steps` goes on to."""
+        further = self.release + math.ceil(GROWTH * (steps - self.release))
+        return min(max(further, self.least), self.most)
+
+
+def slower_frequency(case: Case) -> float:
+    """The lower natural frequency of the section in vacuum, over omega_alpha."""
+    s = case.section
+    # (1 − x²/r²) λ² − (1 + ratio²) λ + ratio² = 0, λ = (ω/ω_α)²
+    ratio, mass = s.frequency_ratio**2, 1.0 - s.x_alpha**2 / s.r2_alpha
+    return math.sqrt(2.0 * ratio / (1.0 + ratio + math.sqrt(max((1.0 + ratio) ** 2 - 4.0 * mass * ratio, 0.0))))
 
 
 def march(
@@ -104,48 +153,62 @@ def march(
     if keeper is not None:
         keeper.check(system)
     scheme.reset(system)
-    release, steps = length(case, s)
+    span = Span.of(case, s)
+    release, steps = span.release, span.planned
     history = History(rig, steps + 1)
     history.take(0)
-    fields = Fields(rig.aero, field_folder, (steps - round(q * s.steps_per_cycle) for q in (0.75, 0.5, 0.25, 0.0)))
+    fields = Fields(rig.aero, field_folder, (steps - round(q * s.steps_per_cycle) for q in QUARTERS))
     unconverged = {c.name: 0 for c in system.components if c is not rig.structure}
     failure, stopped, done, first = None, "", 0, 1
     limit = math.radians(flutter.max_alpha_deg)
     dt = s.dt
     if checkpoint is not None:
         done, unconverged = checkpoint.about["done"], dict(checkpoint.about["unconverged"])
-        if done > steps:
+        if done > span.most:
             raise AeroSloshError(
-                f"The checkpoint stands at step {done}, the march ends at step {steps}",
+                f"The checkpoint stands at step {done}, the march ends at step {span.most}",
                 f"{checkpoint.path}, flutter.free_cycles = {flutter.free_cycles:g}",
                 "give it more free cycles",
             )
+        while steps < done:
+            steps = span.longer(steps)
+        history.extend(steps + 1)
         checkpoint.restore(system, scheme)
         fields.resume()
         history.restore(checkpoint.part("history"))
         statistics.restore(checkpoint.about["scheme"])
         first = done + 1
+    judged: Judgement | None = None
     try:
-        for done in range(first, steps + 1):
-            fields.before(done)
-            report = scheme.step(system, dt)
-            statistics.note(report, done * dt)
-            for name in history.take(done, report.passes):
-                unconverged[name] += 1
-            alpha = history.values["alpha"][done]
-            if not np.isfinite(system.values).all():
-                stopped = f"not-a-number at step {done}, tau = {done * dt * s.omega_alpha:.3f}"
-                done -= 1
+        while True:
+            for done in range(first, steps + 1):
+                fields.before(done)
+                report = scheme.step(system, dt)
+                statistics.note(report, done * dt)
+                for name in history.take(done, report.passes):
+                    unconverged[name] += 1
+                alpha = history.values["alpha"][done]
+                if not np.isfinite(system.values).all():
+                    stopped = f"not-a-number at step {done}, tau = {done * dt * s.omega_alpha:.3f}"
+                    done -= 1
+                    break
+                if abs(alpha) > limit:
+                    stopped = f"|alpha| exceeded flutter.max_alpha_deg = {flutter.max_alpha_deg:g} at step {done}"
+                    break
+                if watch is not None:
+                    watch(done, steps, system)
+                if keeper is not None and done % keeper.every == 0:
+                    about = {"done": done, "unconverged": unconverged, "scheme": statistics.data()}
+                    samples = {name: column[: done + 1] for name, column in history.values.items()}
+                    keeper.write(system, scheme, {"history": samples}, about)
+            if stopped or steps >= span.most:
                 break
-            if abs(alpha) > limit:
-                stopped = f"|alpha| exceeded flutter.max_alpha_deg = {flutter.max_alpha_deg:g} at step {done}"
+            judged = _judged(history.finish(steps + 1, s), span, s, rig)
+            if judged.settled:
                 break
-            if watch is not None:
-                watch(done, steps, system)
-            if keeper is not None and done % keeper.every == 0:
-                about = {"done": done, "unconverged": unconverged, "scheme": statistics.data()}
-                samples = {name: column[: done + 1] for name, column in history.values.items()}
-                keeper.write(system, scheme, {"history": samples}, about)
+            judged, first, steps = None, steps + 1, span.longer(steps)
+            history.extend(steps + 1)
+            fields.again(steps - round(q * s.steps_per_cycle) for q in QUARTERS)
     except ComponentError as error:
         failure, done = error, done - 1
         if rig.exchanges_whole_loads:
@@ -156,13 +219,17 @@ def march(
     written = fields.end(done, failed=failure is not None)
     wall, cpu = clock.perf_counter() - begin_wall, clock.process_time() - begin_cpu
     cost = Cost({c.name: c.cpu - before[c.name] for c in system.everyone}, wall, cpu, done)
-    result = March(
+    table = history.finish(done + 1, s)
+    if judged is None:
+        judged = _judged(table, span, s, rig)
+    judged = _checked(judged, table, release, stopped, statistics.failed, done)
+    return March(
         s,
-        history.finish(done + 1, s),
+        table,
         release,
-        None,
-        Verdict.UNDETERMINED,
-        "",
+        judged.fit,
+        judged.verdict,
+        judged.reason,
         cost,
         failure,
         stopped,
@@ -170,20 +237,37 @@ def march(
         [(step * dt * s.omega_alpha, path) for step, path in written],
         case.slosh.model,
         statistics.data(),
+        judged.settled,
+        judged.remedy,
+        rig.stiffness(V_f),
     )
-    _conclude(result, flutter.neutral_band)
-    return result
 
 
-def _conclude(result: March, neutral_band: float) -> None:
+def _judged(table: dict[str, np.ndarray], span: Span, s: Scales, rig: FlutterRig) -> Judgement:
     """Fit and verdict of the free part, if there is enough of it."""
-    if result.tau.size - result.release >= result.scales.steps_per_cycle:
-        result.fit = analyse(result.tau[result.release :], result.free)
-        result.verdict, result.reason = judge(result.tau[result.release :], result.free, result.fit, neutral_band)
-    else:
-        result.reason = "the free response is shorter than one period"
-    if result.unconverged["coupling"] > 0.05 * max(1, result.cost.steps):
-        result.verdict = Verdict.UNDETERMINED
-        result.reason = f"the coupling iteration did not converge in {result.unconverged['coupling']} steps"
-    if result.stopped.startswith("|alpha|") and result.verdict is not Verdict.FLUTTER and result.fit is None:
-        result.verdict, result.reason = Verdict.FLUTTER, result.stopped
+    tau, free = table["tau"][span.release :], np.vstack([table["h_over_b"], table["alpha"]])[:, span.release :]
+    if tau.size < s.steps_per_cycle:
+        return Judgement(Verdict.UNDETERMINED, "the free response is shorter than one period", False, None, MORE)
+    said = judge(tau, free, analyse(tau, free), rig.case.flutter.neutral_band, rig.stiffness(s.V_f))
+    if span.release + tau.size - 1 >= span.least or said.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE, Verdict.UNDETERMINED):
+        return said
+    slow = f"the free response is shorter than {PERIODS:g} periods of the slower natural mode ({slower_frequency(rig.case):.3f} omega_alpha)"
+    return Judgement(Verdict.UNDETERMINED, slow, False, said.fit, MORE)
+
+
+def _checked(judged: Judgement, table: dict[str, np.ndarray], release: int, stopped: str, failed: int, steps: int) -> Judgement:
+    """`judged` in the light of how the march ended."""
+    if failed > 0.05 * max(1, steps):
+        reason = f"the coupling iteration did not converge in {failed} steps"
+        return Judgement(Verdict.UNDETERMINED, reason, False, judged.fit, "coupling.max_iterations, or smaller steps")
+    unstable = judged.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE)
+    if not stopped.startswith("|alpha|") or unstable:
+        return judged
+    alpha = np.abs(table["alpha"][release:])
+    first = float(np.max(alpha[: max(2, alpha.size // 3)])) if alpha.size else 0.0
+    forced = float(np.max(np.abs(table["alpha"][: release + 1])))
+    if alpha.size and alpha[-1] > TIMES_LARGER * max(forced, 1e-300) and alpha[-1] > 1.05 * first:
+        return Judgement(Verdict.FLUTTER, f"the motion grows out of reach: {stopped}", True, judged.fit)
+    return Judgement(
+        Verdict.UNDETERMINED, stopped, False, judged.fit, "a smaller flutter.forced_amplitude_deg, or a greater max_alpha_deg"
+    )

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from master import loci, rational
+from master import loci, rational, roots
 from master.case import Case
 from master.loci import Loci
 from master.pulses import check_face, chirp, drive, still
@@ -27,6 +27,7 @@ from master.rational import Rational
 from master.rig import FlutterRig
 from master.similarity import scales
 from master.slosh import Liquid
+from master.statics import SteadySlopes
 
 STEP = 0.4  # half chords of travel a step, as in a march
 SWEEP, REST = 240.0, 40.0  # length of a sweep and of the rest after it, half chords
@@ -48,7 +49,17 @@ class LinearCrossing:
     slope: float
     branch: int
     reduced_frequency: float
-    uncertainty: float = 0.0  # change of V_f under a model of two poles less
+    uncertainty: float = 0.0  # change of V_f under a model of two poles less that does not know the steady slopes
+
+    @property
+    def kind(self) -> str:
+        """"divergence" (static, frequency 0) or "flutter"."""
+        return "flutter" if self.frequency else "divergence"
+
+    @property
+    def name(self) -> str:
+        """What to call it: onset or recovery of flutter, or divergence."""
+        return roots.name(self.kind, self.direction)
 
 
 @dataclass(frozen=True)
@@ -57,7 +68,8 @@ class LinearModel:
 
     fit_error    rms missed over rms, of C_L and C_M, in the records fitted: (2,)
     check_error  the same in the motion not fitted: (2,)
-    smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty
+    smaller      a model of two poles less from the sweeps alone: its neutral V_f differ by the model's own uncertainty
+    slopes       of the steady loads, from two steady solutions, which `aero` keeps to; None where they could not be had
     cpu          seconds: FMU and fit; steps: of the FMU
     note         what a user should know, or empty
     liquid       carried frozen by the section, whatever the slosh model; None when dry
@@ -75,6 +87,8 @@ class LinearModel:
     wall: float
     note: str
     liquid: Liquid | None = None
+    slopes: SteadySlopes | None = None
+    liquid_stiffness: float = 0.0  # at rest [N/rad per metre of span]
 
     def matrix(self, V_f: float) -> np.ndarray:
         """x' = A x of section and flow at `V_f`, per half chord of travel. Shape: (4 + 2 n, 4 + 2 n)."""
@@ -85,9 +99,24 @@ class LinearModel:
 
     def eigenvalues(self, V_f: float) -> np.ndarray:
         """Eigenvalues / omega_alpha with positive imaginary part, least damped first. Shape: (n,)."""
-        values = np.linalg.eigvals(self.matrix(V_f)) * _per_omega_alpha(self.case, V_f)
+        values = self.spectrum(V_f)
         values = values[values.imag > 1e-6]
         return values[np.argsort(-values.real)]
+
+    def spectrum(self, V_f: float) -> np.ndarray:
+        """All eigenvalues / omega_alpha. Shape: (4 + 2 n,)."""
+        return np.linalg.eigvals(self.matrix(V_f)) * _per_omega_alpha(self.case, V_f)
+
+    def real(self, V_f: float) -> float:
+        """The largest real eigenvalue / omega_alpha; nan where all oscillate."""
+        values = self.spectrum(V_f)
+        values = values[np.abs(values.imag) <= 1e-6].real
+        return float(values.max()) if values.size else math.nan
+
+    def divergence(self, aero: Rational | None = None) -> float:
+        """The V_f of static divergence by the steady gain of the model (or of `aero`); inf where there is none."""
+        aero = aero or self.aero
+        return SteadySlopes(*aero.steady).divergence(scales(self.case, self.mach, self.case.flutter.V_f), self.liquid_stiffness)
 
     def loci(self, low: float, high: float) -> Loci:
         """All eigenvalues / omega_alpha over V_f in [low, high]."""
@@ -100,16 +129,29 @@ class LinearModel:
         return loci.follow(matrix, np.geomspace(low, high, GRID))
 
     def crossings(self, low: float, high: float) -> list[LinearCrossing]:
-        """All neutral V_f in [low, high] at reduced frequencies that the model knows, in rising order."""
+        """All neutral V_f in [low, high] at reduced frequencies that the model knows, in rising order.
+
+        One below the lowest frequency swept counts when the smaller model has it too: else it is the fit's, not the flow's."""
         others = self._loci(self.smaller, low, high).neutral
         found = []
         for n in self.loci(low, high).neutral:
             k = n.frequency / _per_omega_alpha(self.case, n.value)
-            if k <= BAND:
-                same = [o for o in others if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency]
-                doubt = min((abs(o.value - n.value) for o in same), default=0.1 * n.value)
+            same = [
+                abs(o.value - n.value)
+                for o in others
+                if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency and abs(o.value / n.value - 1) < 0.3
+            ]
+            if k <= BAND and (k >= LOWEST or same):
+                doubt = min(same, default=0.1 * n.value)
                 found.append(LinearCrossing(n.value, n.frequency, n.direction, n.slope, n.branch, k, doubt))
-        return found
+        static = self.divergence()
+        if low <= static <= high:
+            step = 1e-3 * static
+            slope = (self.real(static + step) - self.real(static - step)) / (2.0 * step)
+            other = self.divergence(self.smaller)
+            doubt = abs(other - static) if math.isfinite(other) else 0.1 * static
+            found.append(LinearCrossing(static, 0.0, "onset", slope, -1, 0.0, doubt))
+        return sorted(found, key=lambda c: c.V_f)
 
 
 def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] = lambda text: None) -> LinearModel:
@@ -128,7 +170,10 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
     say("  another motion, to check")
     both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
     check = drive(rig.aero, rig.steady, s, both, STEP, CHECK)
-    aero, smaller = (rational.fit(records, order, SLOWEST, FASTEST) for order in (ORDER, ORDER - 2))
+    slopes = rig.slopes()
+    steady = np.array([slopes.C_L, slopes.C_M]) if slopes is not None else None
+    aero = rational.fit(records, ORDER, SLOWEST, FASTEST, steady)
+    smaller = rational.fit(records, ORDER - 2, SLOWEST, FASTEST)
     fit_error, check_error = np.max([aero.error(r) for r in records], axis=0), aero.error(check)
     return LinearModel(
         rig.case,
@@ -143,6 +188,8 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
         clock.perf_counter() - begin[0],
         _note(check_error),
         rig.tank.liquid if rig.tank else None,
+        slopes,
+        rig.tank.static_stiffness if rig.tank else 0.0,
     )
 
 

@@ -1,4 +1,5 @@
-"""Root loci of a system matrix over a parameter: every eigenvalue followed, and every place where one turns unstable or stable.
+"""Root loci of a system matrix over a parameter: every eigenvalue followed, and every place where an oscillation turns unstable
+or stable.
 
 Eigenvalues are matched as sets (least total distance, scipy's linear assignment) to where the last two steps point; where one
 misses by more than half the distance to its neighbour the interval is halved, so that modes which come close are not exchanged.
@@ -41,6 +42,11 @@ class Loci:
     eigenvalues: np.ndarray
     neutral: list[Neutral]
 
+    def real(self) -> np.ndarray:
+        """The largest real eigenvalue at each parameter; nan where all oscillate. Shape: (n_parameters,)."""
+        real = np.where(np.abs(self.eigenvalues.imag) <= 1e-9, self.eigenvalues.real, -np.inf).max(axis=1)
+        return np.where(np.isfinite(real), real, np.nan)
+
     def upper(self) -> list[int]:
         """Columns that are oscillations somewhere (positive imaginary part), one of each pair."""
         return [j for j in range(self.eigenvalues.shape[1]) if np.max(self.eigenvalues[:, j].imag) > 1e-9]
@@ -56,8 +62,8 @@ def follow(matrix: Matrix, grid: np.ndarray) -> Loci:
     for j in range(e.shape[1]):
         signs = e[:, j].real >= 0.0
         for i in np.flatnonzero(signs[1:] != signs[:-1]):
-            if e[i, j].imag + e[i + 1, j].imag < 0.0:
-                continue  # its conjugate is counted
+            if not e[i, j].imag + e[i + 1, j].imag > 0.0:
+                continue  # its conjugate is counted; a real eigenvalue crosses where the matrix is singular: statics tell
             found.append(_neutral(matrix, p[i : i + 2], e[i : i + 2, j], j))
     return Loci(p, e, sorted(found, key=lambda n: n.value))
 

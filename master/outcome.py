@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from master import vg
 from master.boundary import BoundaryPoint
+from master.damping import Mode
 from master.flutter import March
 from master.slosh import LABEL
 from master.verdict import Verdict
-from master.wording import error_bar, plus_minus
+from master.wording import counted, error_bar, plus_minus
 
 
 def number(value: float | None) -> float | None:
@@ -34,10 +36,16 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "growth_rate_uncertainty": number(fit.growth_rate_uncertainty) if fit else None,
         "frequency": number(fit.frequency) if fit else None,
         "frequency_uncertainty": number(fit.frequency_uncertainty) if fit else None,
-        "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit else None,
-        "modes": [{"growth_rate": m.growth_rate, "frequency": m.frequency, "share": m.share} for m in (fit.modes if fit else [])],
+        "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit and fit.frequency else None,
+        "settled": march.settled,
+        "remedy": march.remedy or None,
+        "free_cycles": number(float(march.tau[-1] - march.tau[march.release]) / (2.0 * math.pi)) if march.tau.size > march.release else 0.0,
+        "modes": [_mode_data(m) for m in (fit.modes if fit else [])],
+        "real_poles": [_mode_data(m) for m in (fit.reals if fit else [])],
+        "static_stiffness": number(march.stiffness),
         "limit_cycle_amplitude_deg": limit_cycle_amplitude_deg(march),
         "fit_residual": number(fit.residual) if fit else None,
+        "fit_forecast": number(fit.forecast) if fit else None,
         "uncertainty_parts": fit.contributions if fit else {},
         "omega_alpha": s.omega_alpha,
         "speed": s.speed,
@@ -59,9 +67,13 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     return data
 
 
+def _mode_data(mode: Mode) -> dict[str, float]:
+    return {"growth_rate": mode.growth_rate, "frequency": mode.frequency, "share": mode.share}
+
+
 def limit_cycle_amplitude_deg(march: March) -> float | None:
     """Half the pitch from peak to peak in the last period of a march that ends in a limit cycle, else None. [deg]"""
-    if march.verdict is not Verdict.LIMIT_CYCLE or march.fit is None:
+    if march.verdict is not Verdict.LIMIT_CYCLE or march.fit is None or not march.fit.frequency:
         return None
     last = march.history["alpha"][march.tau > march.tau[-1] - 2.0 * math.pi / march.fit.frequency]
     return number(math.degrees(0.5 * float(np.ptp(last))))
@@ -79,12 +91,16 @@ def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
         "note": model.note or None,
         "liquid": "none" if model.liquid is None else "frozen",
         "steps": model.steps,
+        "steady_slopes": None if model.slopes is None else {"C_L": model.slopes.C_L, "C_M": model.slopes.C_M},
+        "steady_slopes_of_sweeps": {"C_L": float(model.smaller.steady[0]), "C_M": float(model.smaller.steady[1])},
+        "modes": vg.as_data(model, *model.case.boundary.V_f_range),
         "cost": {"wall_seconds": model.wall, "cpu_seconds": model.cpu},
         "crossings": [
             {
                 "V_f": p.crossing.V_f,
                 "V_f_uncertainty": number(p.crossing.uncertainty),
                 "frequency": p.crossing.frequency,
+                "kind": p.crossing.kind,
                 "direction": p.crossing.direction,
                 "slope": p.crossing.slope,
                 "reduced_frequency": p.crossing.reduced_frequency,
@@ -107,6 +123,8 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
         "growth_rate": 0.0 if first else None,
         "frequency": number(first.frequency) if first else None,
         "verdict": "neutral" if first else "undetermined",
+        "kind": first.kind if first else None,
+        "static_divergence_V_f": number(point.divergence),
         "outcome": point.outcome,
         "converged": point.converged,
         "crossings": [
@@ -114,6 +132,7 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
                 "V_f": c.V_f,
                 "V_f_uncertainty": number(c.uncertainty),
                 "frequency": c.frequency,
+                "kind": c.kind,
                 "direction": c.direction,
                 "slope": c.slope,
                 "bracketed": c.bracketed,
@@ -143,13 +162,25 @@ def march_summary(data: dict[str, Any]) -> str:
         f"Mach {data['mach']:g}, V_f {data['V_f']:g}, {LABEL[data['slosh']]}: {data['verdict'].upper()}",
         f"  {data['reason']}",
     ]
+    if data["remedy"]:
+        lines.append(f"  remedy       {data['remedy']}")
     if data["growth_rate"] is not None:
-        lines += [
-            f"  growth rate  {plus_minus(data['growth_rate'], data['growth_rate_uncertainty'])}  omega_alpha"
-            f"   (damping ratio {data['damping_ratio']:+.5f})",
-            f"  frequency    {plus_minus(data['frequency'], data['frequency_uncertainty'])}  omega_alpha"
-            f"   ({data['frequency'] * data['omega_alpha'] / (2 * math.pi):.3f} Hz)",
-        ]
+        ratio = f"   (damping ratio {data['damping_ratio']:+.5f})" if data["damping_ratio"] is not None else ""
+        lines.append(f"  growth rate  {plus_minus(data['growth_rate'], data['growth_rate_uncertainty'])}  omega_alpha{ratio}")
+        hertz = f"   ({data['frequency'] * data['omega_alpha'] / (2 * math.pi):.3f} Hz)"
+        lines.append(
+            f"  frequency    {plus_minus(data['frequency'], data['frequency_uncertainty'])}  omega_alpha{hertz}"
+            if data["frequency"]
+            else "  frequency    0 (static)"
+        )
+    if data["fit_residual"] is not None:
+        forecast = f"{100 * data['fit_forecast']:.2g} %" if data["fit_forecast"] is not None else "none"
+        lines.append(
+            f"  rests on     {counted(len(data['modes']), 'oscillation')} and {counted(len(data['real_poles']), 'real pole')} over "
+            f"{data['free_cycles']:.3g} free cycles; missed {100 * data['fit_residual']:.2g} %, forecast of the last part off by {forecast}"
+        )
+    if data["static_stiffness"] is not None:
+        lines.append(f"  statics      the steady flow leaves {100 * data['static_stiffness']:.3g} % of the pitch stiffness")
     for kind, count in data["unconverged_steps"].items():
         if count:
             lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
@@ -169,10 +200,10 @@ def march_summary(data: dict[str, Any]) -> str:
 
 def boundary_summary(points: list[dict[str, Any]]) -> str:
     """The boundary as a table."""
-    lines = ["  Mach    V_f              frequency  marches  wall"]
+    lines = ["  Mach    V_f              frequency  marches  wall"]  # a divergence has frequency 0
     for p in points:
         if p["V_f"] is None:
-            lines.append(f"  {p['mach']:<6.3f}  {p['outcome']}")
+            lines += [f"  {p['mach']:<6.3f}  {p['outcome']}", *_static_lines(p)]
             continue
         value = plus_minus(p["V_f"], p["V_f_uncertainty"], 4)
         lines.append(
@@ -185,6 +216,20 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
         for c in (p["linear"] or {}).get("crossings", []):
             if c["state"] == "contradicted":
                 lines.append(f"          {c['text']}")
+        lines += _static_lines(p)
         if (p["linear"] or {}).get("note"):
             lines.append(f"          note: {p['linear']['note']}")
     return "\n".join(lines)
+
+
+def _static_lines(p: dict[str, Any]) -> list[str]:
+    """What two steady solutions alone say of static divergence, and how the other ways agree."""
+    V_f = p["static_divergence_V_f"]
+    if V_f is None:
+        return []
+    said = f"          statics: divergence at V_f = {V_f:.4f} by two steady solutions"
+    others = [
+        (f"sweeps {c['V_f_uncertainty'] / V_f:.1%} away", c["state"]) for c in (p["linear"] or {}).get("crossings", []) if c["kind"] == "divergence"
+    ]
+    marched = [f"marches {c['V_f'] / V_f - 1.0:+.1%}" for c in p["crossings"] if c["kind"] == "divergence" and c["source"] == "march"]
+    return ["; ".join([said, *(text for text, _ in others), *marched])]

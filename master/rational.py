@@ -20,6 +20,7 @@ from master.pulses import NODES, QUADRATURE, Record
 
 ROUNDS = 12  # of pole relocation
 FASTEST = 2.0  # poles quicker than this times 1/ds are the feed-through's
+STEADY_WEIGHT = 10.0  # of the steady gain, where it is known, beside a record's 1
 TERMS = ((0, 1), (0, 1, 2))  # derivatives of w and of alpha that feed through
 
 
@@ -43,6 +44,11 @@ class Rational:
         for p, r in zip(self.poles, self.residues, strict=True):
             total = total + r / (z - p) + (np.conj(r) / (z - np.conj(p)) if p.imag else 0.0)
         return total
+
+    @property
+    def steady(self) -> np.ndarray:
+        """C_L and C_M over a steady pitch angle [1/rad]. Shape: (2,)."""
+        return self.response(np.zeros(1))[0, :, 1].real
 
     def predict(self, record: Record) -> np.ndarray:
         """The loads that the model expects in `record`. Shape: (2, n)."""
@@ -104,16 +110,19 @@ def _filtered(y: np.ndarray, ds: float, pole: complex) -> np.ndarray:
     return lfilter([1.0], [1.0, -e], forcing, axis=-1)
 
 
-def fit(records: Sequence[Record], order: int, slowest: float, fastest: float) -> Rational:
+def fit(
+    records: Sequence[Record], order: int, slowest: float, fastest: float, steady: np.ndarray | None = None
+) -> Rational:
     """The model with `order` poles that fits `records` best; first guesses are spread over [slowest, fastest].
 
-    Each record moves one input alone, or both; together they must move both. Loads are weighed by their rms in all records."""
+    Each record moves one input alone, or both; together they must move both. Loads are weighed by their rms in all records.
+    `steady` (2,), where it is known: C_L and C_M over a steady angle of attack [1/rad], which no sweep reaches."""
     weight = 1.0 / np.sqrt(np.mean([np.mean(r.loads**2, axis=1) for r in records], axis=0))
     poles = _first_poles(order, slowest, fastest)
     for _ in range(ROUNDS):
         poles = _relocated(records, poles, weight, slowest)
-    poles = _refined(records, poles, weight, slowest)
-    return _solve(records, poles, weight)[0]
+    poles = _refined(records, poles, weight, slowest, steady)
+    return _solve(records, poles, weight, steady)[0]
 
 
 def _first_poles(order: int, slowest: float, fastest: float) -> np.ndarray:
@@ -173,7 +182,9 @@ def _stable(values: np.ndarray, slowest: float, fastest: float) -> np.ndarray:
     return np.sort_complex(-rate + 1j * np.where(upper.imag > 1e-9, upper.imag, 0.0))
 
 
-def _refined(records: Sequence[Record], poles: np.ndarray, weight: np.ndarray, slowest: float) -> np.ndarray:
+def _refined(
+    records: Sequence[Record], poles: np.ndarray, weight: np.ndarray, slowest: float, steady: np.ndarray | None
+) -> np.ndarray:
     """Variable projection: least squares on the poles alone, the rest eliminated."""
     pair = poles.imag > 0.0
     limit = FASTEST / records[0].ds
@@ -188,13 +199,17 @@ def _refined(records: Sequence[Record], poles: np.ndarray, weight: np.ndarray, s
     high = np.full(first.size, np.log(1.05 * limit))
     first = np.clip(first, low + 1e-6, high - 1e-6)
     try:
-        found = least_squares(lambda v: _solve(records, unpack(v), weight)[1], first, bounds=(low, high), max_nfev=15, xtol=1e-6)
+        found = least_squares(
+            lambda v: _solve(records, unpack(v), weight, steady)[1], first, bounds=(low, high), max_nfev=15, xtol=1e-6
+        )
     except (np.linalg.LinAlgError, ValueError):
         return poles
     return unpack(found.x)
 
 
-def _solve(records: Sequence[Record], poles: np.ndarray, weight: np.ndarray) -> tuple[Rational, np.ndarray]:
+def _solve(
+    records: Sequence[Record], poles: np.ndarray, weight: np.ndarray, steady: np.ndarray | None = None
+) -> tuple[Rational, np.ndarray]:
     """Residues and feed-through by least squares for given poles, and the weighted residual."""
     m = sum(2 if p.imag else 1 for p in poles)
     sizes = [len(terms) + m for terms in TERMS]
@@ -211,6 +226,9 @@ def _solve(records: Sequence[Record], poles: np.ndarray, weight: np.ndarray) -> 
     typical = np.mean([np.max(np.abs(r.motion[:, 1])) for r in records])
     rows.append(0.3 * typical * np.concatenate([gain[0], -gain[1]])[None, :])
     targets.append(np.zeros((1, 2)))
+    if steady is not None:
+        rows.append(STEADY_WEIGHT * typical * np.concatenate([0.0 * gain[0], gain[1]])[None, :])
+        targets.append(STEADY_WEIGHT * typical * (steady * weight)[None, :])
     matrix, target = np.vstack(rows), np.vstack(targets)
     norm = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
     c = np.linalg.lstsq(matrix / norm, target, rcond=1e-13)[0]

@@ -10,9 +10,10 @@ from pathlib import Path
 from master import slosh
 from master.case import Case
 from master.component import Component, Saved
-from master.errors import AeroSloshError
+from master.errors import AeroSloshError, ComponentError
 from master.scheme import assemble
 from master.similarity import Scales, scales
+from master.statics import STEP, SteadySlopes, tilted
 from master.system import wires
 
 WIRES = """
@@ -68,6 +69,8 @@ class FlutterRig:
         surrogate = self.tank.surrogate if self.tank else None
         self.system = assemble(components, wires(lines), case.coupling, {"slosh": surrogate} if surrogate else {})
         self._steady: Saved | None = None
+        self._fmus = fmus
+        self._slopes: SteadySlopes | None | str = "not asked for"
         say(f"steady flow at Mach {mach:g}")
         try:
             self._solve_steady(field_folder)
@@ -142,9 +145,46 @@ class FlutterRig:
             self._steady = None
         self.system.close()
 
-    def _solve_steady(self, field_folder: Path | None) -> None:
-        """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""
-        case, aero = self.case, self.aero
+    def slopes(self) -> SteadySlopes | None:
+        """Slopes of the steady loads over incidence, from a second steady solution (once a rig); None where it does not converge."""
+        if isinstance(self._slopes, str):
+            self._slopes = self._find_slopes()
+        return self._slopes
+
+    def stiffness(self, V_f: float) -> float:
+        """Pitch stiffness that the steady flow and the liquid leave at `V_f`, over the structure's own; nan where not known."""
+        slopes = self.slopes()
+        if slopes is None:
+            return math.nan
+        return slopes.stiffness(scales(self.case, self.mach, V_f), self.tank.static_stiffness if self.tank else 0.0)
+
+    def divergence(self) -> float:
+        """The V_f of static divergence by the steady flow; inf where there is none, nan where it is not known."""
+        slopes = self.slopes()
+        if slopes is None:
+            return math.nan
+        s = scales(self.case, self.mach, self.case.flutter.V_f)
+        return slopes.divergence(s, self.tank.static_stiffness if self.tank else 0.0)
+
+    def _find_slopes(self) -> SteadySlopes | None:
+        other = Component(self._fmus["aero"], "aero")
+        try:
+            other.set_all(self._aero_parameters(tilted(self.case)))
+            other.initialize()
+            if "converged" in other.variables and not other.get("converged"):
+                return None
+            self.aero.rewind(self.steady)
+            s = scales(self.case, self.mach, self.case.flutter.V_f)
+            q = 0.5 * s.density * s.speed**2 * 2.0 * s.half_chord * STEP
+            lift, moment = ((other.get(name) - self.aero.get(name)) / q for name in ("lift", "moment"))
+            return SteadySlopes(lift, moment / (2.0 * s.half_chord))
+        except ComponentError:
+            return None
+        finally:
+            other.close()
+
+    def _aero_parameters(self, case: Case) -> dict[str, float | int | str]:
+        """Parameters of the aero FMU, without a folder for fields."""
         values: dict[str, float | int | str] = {
             "mach": self.mach,
             "mean_alpha": math.radians(case.flow.mean_alpha_deg),
@@ -157,7 +197,11 @@ class FlutterRig:
             "cells_normal": case.aero.cells_normal,
             "farfield_chords": case.aero.farfield_chords,
         }
-        values |= {name: value for name in ("tolerance", "max_subiterations") if (value := getattr(case.aero, name)) != "auto"}
+        return values | {name: value for name in ("tolerance", "max_subiterations") if (value := getattr(case.aero, name)) != "auto"}
+
+    def _solve_steady(self, field_folder: Path | None) -> None:
+        """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""
+        aero, values = self.aero, self._aero_parameters(self.case)
         if field_folder is not None:
             values["field_folder"] = str(field_folder)
         aero.set_all(values)

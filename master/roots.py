@@ -83,9 +83,26 @@ class Crossing:
     grids: GridStudy | None = None
 
     @property
+    def kind(self) -> str:
+        """"divergence" (static: frequency 0) or "flutter"."""
+        return "flutter" if self.frequency else "divergence"
+
+    @property
+    def name(self) -> str:
+        """What to call it: onset or recovery of flutter, or (end of) divergence."""
+        return name(self.kind, self.direction)
+
+    @property
     def uncertainty(self) -> float:
         """Of V_f, one standard deviation."""
         return math.hypot(*self.parts.values())
+
+
+def name(kind: str, direction: str) -> str:
+    """The word for a crossing."""
+    if kind == "flutter":
+        return direction
+    return "divergence" if direction == "onset" else "end of divergence"
 
 
 class Root(NamedTuple):

@@ -72,7 +72,7 @@ class Tank:
     Raises ComponentError when the FMU fails, AeroSloshError when it is none of a slosh model."""
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
-        path = fmus[FMU[settings.model]]
+        path, self._settings = fmus[FMU[settings.model]], settings
         component = Component(path, "slosh")
         try:
             missing = [name for name in (*CARRIED, *LOADS["none"], *LOADS["frozen"]) if name not in component.output_index]
@@ -101,6 +101,14 @@ class Tank:
         if settings.model == "frozen":  # its constants are all there is to it: the load at rest is the weight, held by the trim
             component.close()
             self.moving, self.rest = None, (0.0, 0.0)
+
+    @property
+    def static_stiffness(self) -> float:
+        """Pitch stiffness of the liquid at rest [N/rad per metre of span]; one that moves keeps its surface level, which takes
+        rho g L^3 w / 12 of it, as in a ship's tank."""
+        s = self._settings
+        level = 0.0 if s.model == "frozen" else s.liquid_density * s.gravity * s.tank_length**3 * s.tank_width / 12.0
+        return self.liquid.stiffness - level
 
     def restart(self) -> None:
         """A liquid at rest, to be initialised with the section."""

@@ -1,18 +1,29 @@
-"""What a free response means: damped, neutral, flutter, limit cycle or undetermined."""
+"""What a free response means: damped, neutral, flutter, divergence, limit cycle or undetermined; and whether a longer march is
+needed to say so.
+
+A verdict needs exponentials that describe the response (a residual that is noise, and a forecast of its last part from the rest),
+a growth rate known well enough, or an amplitude that has settled. A growth rate that changes is no limit cycle: two close modes
+that beat do the same, and so does a shock whose damping depends on amplitude."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
-from master.damping import Fit, local_rates
+from master.damping import Fit, Mode, analyse
 
-LIMIT_CYCLE_RESIDUAL = 0.01  # exponentials that fit better leave nothing for an amplitude limit to explain
-NOISE_RESIDUAL = 0.6  # and where they explain next to nothing, there is no oscillation to be limited
-
-
-AMPLITUDE_CHANGE = 1.3  # what a neutral response does not do between its second and its last period
+RESIDUAL = 0.02  # exponentials that miss more of a response than this do not describe it
+FORECAST = 0.10  # nor do those that miss more of its last part
+AMPLITUDE_CHANGE = 1.3  # what a neutral response does not do
+SETTLED = 0.02  # change of amplitude over the last periods that is none
+LAST_PERIODS = 5  # whose amplitudes are compared
+PART = 0.6  # of the response, tried where the whole is not described
+SAME = 0.03  # relative difference in frequency below which two poles are one mode that changes with amplitude
+SURE_STIFFNESS = 0.02  # relative pitch stiffness left by the steady flow that its sign is certain of
+LARGE = 0.2  # share of a channel from which a growing real pole is motion and no drift of the mean
 
 
 class Verdict(StrEnum):
@@ -21,50 +32,130 @@ class Verdict(StrEnum):
     DAMPED = "damped"
     NEUTRAL = "neutral"
     FLUTTER = "flutter"
+    DIVERGENCE = "divergence"
     LIMIT_CYCLE = "limit cycle"
     UNDETERMINED = "undetermined"
 
 
-def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: float) -> tuple[Verdict, str]:
-    """The verdict on the free response `channels` (n_channels, n) and the reason in one sentence.
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict, why, and whether more cycles could change it; `remedy` says what to do where there is none. `fit` is the one it
+    rests on."""
 
-    Limit cycle: the growth rate of the window's pieces goes from clearly growing (or decaying) to a small
-    part of that, and exponentials do not describe the response; or the amplitude first changed a lot and then stays, more
-    than the fitted growth rate could have made of it. Otherwise the fitted growth rate decides against the neutral band and
-    twice its uncertainty.
-    """
+    verdict: Verdict
+    reason: str
+    settled: bool
+    fit: Fit | None
+    remedy: str = ""
+
+
+def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: float, stiffness: float = math.nan) -> Judgement:
+    """The verdict on the free response `channels` (n_channels, n; the last one pitch) at equidistant `tau` (n,).
+
+    neutral_band  growth rates within it are neutral
+    stiffness     pitch stiffness that the steady flow leaves, over the structure's own: negative where the section diverges
+                  statically, nan where it is not known"""
     if fit is None:
-        return Verdict.UNDETERMINED, "no oscillation could be fitted to the free response"
-    rate, doubt = fit.growth_rate, 2.0 * fit.growth_rate_uncertainty
-    pieces = local_rates(tau, channels, fit, parts=3)
-    if np.all(np.isfinite(pieces)) and LIMIT_CYCLE_RESIDUAL < fit.residual < NOISE_RESIDUAL:
-        first, last = pieces[0], pieces[-1]
-        if abs(first) > 5.0 * neutral_band and abs(last) < 0.3 * abs(first):
-            return (
-                Verdict.LIMIT_CYCLE,
-                f"the growth rate falls from {first:+.4f} to {last:+.4f} within the free response",
-            )
+        return Judgement(Verdict.UNDETERMINED, "nothing could be fitted to the free response", False, None, "add free cycles")
+    cycle = _settled_amplitude(tau, channels, fit)
+    if cycle is not None:
+        return Judgement(Verdict.LIMIT_CYCLE, cycle, True, fit)
+    whole = _by_fit(fit, neutral_band, stiffness)
+    if whole.settled or describes(fit):
+        return whole
+    n = tau.size
+    first, last = slice(0, round(PART * n)), slice(n - round(PART * n), n)
+    early = analyse(tau[first], channels[:, first])
+    if early is not None and describes(early):
+        said = _by_fit(early, neutral_band, stiffness)
+        if said.settled and said.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE):
+            return Judgement(said.verdict, f"{said.reason}, at first: the rate then changes with the amplitude", True, early)
+    late = analyse(tau[last], channels[:, last])
+    if late is not None and describes(late):
+        said = _by_fit(late, neutral_band, stiffness)
+        if said.settled:
+            return Judgement(said.verdict, f"{said.reason}, in its last part", True, late, said.remedy)
+    why = f"exponentials do not describe the free response: they miss {fit.residual:.1%} of it and {fit.forecast:.1%} of its last part"
+    remedy = "add free cycles (flutter.max_free_cycles); a smaller forced amplitude, if the response depends on it"
+    return Judgement(Verdict.UNDETERMINED, why, False, fit, remedy)
+
+
+def describes(fit: Fit) -> bool:
+    """Whether the exponentials are what the response is made of."""
+    return fit.residual <= RESIDUAL and fit.forecast <= FORECAST
+
+
+def _by_fit(fit: Fit, neutral_band: float, stiffness: float) -> Judgement:
+    """What the critical pole says, and the steady flow's stiffness."""
+    critical = fit.flutter
+    if critical.frequency == 0.0 and stiffness > SURE_STIFFNESS and critical.share < LARGE and fit.modes:
+        critical = max(fit.modes, key=lambda m: m.growth_rate if m.share > 0.02 else -math.inf)  # a drift of the mean
+    rate, doubt = critical.growth_rate, 2.0 * (fit.growth_rate_uncertainty if critical is fit.flutter else critical.growth_rate_std)
+    known, certain = describes(fit), doubt <= max(neutral_band, 0.5 * abs(rate))
+    if stiffness < -SURE_STIFFNESS or (critical.frequency == 0.0 and rate > max(neutral_band, doubt)):
+        return _static(fit, critical, rate, doubt, stiffness, known and certain)
     if doubt > max(5.0 * neutral_band, abs(rate)):
-        return (
-            Verdict.UNDETERMINED,
-            f"growth rate {rate:+.5f} is known only to {doubt / 2.0:.5f}; add free cycles",
-        )
+        reason = f"growth rate {rate:+.5f} is known only to {doubt / 2.0:.5f}"
+        return Judgement(Verdict.UNDETERMINED, reason, False, fit, "add free cycles (flutter.max_free_cycles)")
+    suspect = [m for m in fit.suspects if m.frequency or not stiffness > SURE_STIFFNESS]
+    settled = known and certain and not (suspect and rate <= neutral_band)
     if abs(rate) <= max(neutral_band, doubt):
-        second, last = _amplitudes(tau, channels, fit)
-        linear = np.exp(max(abs(rate), doubt) * (tau[-1] - tau[0]))
-        if max(second, last) > AMPLITUDE_CHANGE * linear * min(second, last):
-            return Verdict.LIMIT_CYCLE, f"the amplitude of pitch goes from {second:.4f} to {last:.4f} rad and stays there"
-        return Verdict.NEUTRAL, f"|growth rate| {abs(rate):.5f} is within {max(neutral_band, doubt):.5f}"
+        change = _own_change(fit, critical)
+        if max(change, 1.0 / change) > AMPLITUDE_CHANGE * math.exp(max(abs(rate), doubt) * (fit.end - fit.start)):
+            return Judgement(Verdict.LIMIT_CYCLE, f"the amplitude changes by a factor {change:.2f} and stays there", settled, fit)
+        return Judgement(Verdict.NEUTRAL, f"|growth rate| {abs(rate):.5f} is within {max(neutral_band, doubt):.5f}", settled, fit)
     if rate > 0.0:
-        return Verdict.FLUTTER, f"the free response grows at {rate:+.5f} omega_alpha"
-    return Verdict.DAMPED, f"the free response decays at {rate:+.5f} omega_alpha"
+        return Judgement(Verdict.FLUTTER, f"the free response grows at {rate:+.5f} omega_alpha", settled, fit)
+    if stiffness < SURE_STIFFNESS:
+        reason = f"no pitch stiffness is left by the steady flow ({stiffness:+.3f} of the structure's)"
+        return Judgement(Verdict.NEUTRAL, reason, settled, fit)
+    return Judgement(Verdict.DAMPED, f"the free response decays at {rate:+.5f} omega_alpha", settled, fit)
 
 
-def _amplitudes(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> tuple[float, float]:
-    """Half the span of the last channel (pitch) in the second and in the last period of the flutter mode."""
-    period = 2.0 * np.pi / fit.frequency
-    early = (tau >= tau[0] + period) & (tau < tau[0] + 2.0 * period)
-    late = tau > tau[-1] - period
-    if not early.any() or tau[-1] - tau[0] < 3.0 * period:
-        return 1.0, 1.0
-    return float(0.5 * np.ptp(channels[-1, early])), float(0.5 * np.ptp(channels[-1, late]))
+def _static(fit: Fit, critical: Mode, rate: float, doubt: float, stiffness: float, settled: bool) -> Judgement:
+    """A section that diverges statically, or whose response grows without oscillating."""
+    steady = "" if math.isnan(stiffness) else f"the steady flow leaves {stiffness:+.3f} of the pitch stiffness"
+    sure = stiffness < -SURE_STIFFNESS
+    if critical.frequency and rate > doubt and settled:
+        return Judgement(Verdict.FLUTTER, f"the free response grows at {rate:+.5f} omega_alpha; {steady}", True, fit)
+    if critical.frequency:  # growth not seen yet, or not alone
+        return Judgement(Verdict.DIVERGENCE, f"{steady}: the section diverges statically", True, fit)
+    reason = f"the free response grows without oscillating at {rate:+.5f} omega_alpha"
+    return Judgement(Verdict.DIVERGENCE, "; ".join(filter(None, [reason, steady])), settled or sure, fit)
+
+
+def _own_change(fit: Fit, critical: Mode) -> float:
+    """Amplitude of pitch at the window's end over that a period after its start, of the critical pole and those of its frequency."""
+    own = [m for m in fit.modes if abs(m.frequency - critical.frequency) <= SAME * critical.frequency]
+    t = np.array([2.0 * np.pi / critical.frequency, fit.end - fit.start])
+    with np.errstate(under="ignore"):
+        size = np.abs(sum(m.amplitudes[-1] * np.exp((m.growth_rate + 1j * m.frequency) * t) for m in own))
+    return float(size[1] / max(size[0], 1e-300))
+
+
+def _settled_amplitude(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> str | None:
+    """What to say of a response whose amplitude has changed and then settled; None of any other.
+
+    The last periods must have one amplitude, each alone and as a trend, and more of them than the change took: an extremum of a
+    beat is no limit."""
+    main = max(fit.modes, key=lambda m: m.share * math.exp(min(m.growth_rate * (fit.end - fit.start), 50.0)), default=None)
+    if main is None:
+        return None
+    period = 2.0 * np.pi / main.frequency
+    periods = int((tau[-1] - tau[0]) / period)
+    if periods < 2 * LAST_PERIODS:
+        return None
+    ends = tau[-1] - period * np.arange(periods, -1, -1)
+    spans = np.array(
+        [0.5 * np.ptp(channels[-1, (tau >= a - 1e-9) & (tau <= b + 1e-9)]) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    )
+    last = spans[-1]
+    near = np.abs(spans / last - 1.0) <= SETTLED if last > 0.0 else np.zeros(periods, dtype=bool)
+    steady = periods - 1 - int(np.flatnonzero(~near)[-1]) if not near.all() else periods
+    if steady < max(LAST_PERIODS, periods // 2) or steady == periods:
+        return None
+    trend = np.polyfit(np.arange(steady), spans[-steady:], 1)[0] * steady / last
+    ratio = spans[0] / last
+    if abs(trend) > SETTLED or max(ratio, 1.0 / max(ratio, 1e-300)) < AMPLITUDE_CHANGE:
+        return None
+    return f"the amplitude of pitch goes from {spans[0]:.4f} to {last:.4f} rad and has stayed there for {steady} periods"

@@ -8,7 +8,7 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, flutter, outcome, slosh
+from master import boundary_case, flutter, outcome, slosh, vg
 from master import case as cases
 from master.boundary import BoundaryPoint
 from master.case import Case
@@ -56,11 +56,16 @@ def execute(options: argparse.Namespace) -> int:
         cost = {"wall_seconds": clock.perf_counter() - begin[0], "cpu_seconds": clock.process_time() - begin[1]}
         rows = [{"slosh": case.slosh.model} | outcome.point_data(p) for p in points]
         data: dict[str, Any] = {"slosh": case.slosh.model, "points": rows, "cost": cost}
+        low, high = case.boundary.V_f_range
         if case.output.pictures:
-            from master import boundary_plot
+            from master import boundary_plot, vg_plot
 
             published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
             boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
+            for p in points:
+                vg_plot.draw(p, low, high, folder.path / f"vg_M{p.mach:g}.png")
+        for p in points:
+            vg.write(p, low, high, folder.path / f"modes_M{p.mach:g}.csv")
         folder.write_result(data | {"provenance": provenance(hashes)})
         summary = outcome.boundary_summary(rows)
         folder.log("\n" + summary)
