@@ -14,12 +14,11 @@ from master.flutter import March
 from master.linear import LinearCrossing, LinearModel
 from master.roots import Crossing, Sample
 from master.search import SLOPE, crossings, propose
-from master.verdict import SURE_STIFFNESS, Verdict
+from master.verdict import Verdict
 from master.wording import counted, plus_minus
 
 VAGUE = 0.05  # a growth rate (over omega_alpha) less certain than this is none
 OTHERS = 2.0  # the residual's noise of a mode that the fit's error bar is not of, times this
-STATIC_SHARE = 0.005  # of a channel, from which a real pole is read
 GROSS = 0.005  # one less certain than this tells, where the motion outgrew linear motion, its sign alone
 
 Marcher = Callable[[float], March]  # V_f → march
@@ -82,23 +81,6 @@ def oscillation_std(fit: Fit, mode: Mode) -> float:
     """Standard deviation of the growth rate of `mode`; inf when it is no number."""
     std = fit.growth_rate_uncertainty if mode is fit.flutter else OTHERS * mode.growth_rate_std
     return std if math.isfinite(mode.growth_rate + std) else math.inf
-
-
-def static_sample(march: March) -> Sample:
-    """What the search sees of a march's real pole that passes through zero at static divergence: frequency 0.
-
-    Where the steady flow leaves pitch stiffness it decays, else it grows: of the poles fitted the least stable, if it does. A
-    growing one that no fit can read, because the motion is soon beyond reach, tells its sign."""
-    V_f, fit = march.scales.V_f, march.fit
-    diverges, sure = march.stiffness < 0.0, abs(march.stiffness) > SURE_STIFFNESS
-    nothing = Sample(V_f, math.nan, math.nan, math.nan, grows=diverges and sure and march.failure is None)
-    if fit is None or march.failure is not None:
-        return nothing
-    mode = max((m for m in fit.reals if m.share >= STATIC_SHARE), key=lambda m: m.growth_rate, default=None)
-    std = oscillation_std(fit, mode) if mode is not None else math.inf
-    if mode is None or std > VAGUE or (sure and (mode.growth_rate > 0.0) is not diverges):
-        return nothing
-    return Sample(V_f, mode.growth_rate, std, 0.0)
 
 
 def search(

@@ -14,9 +14,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from master import linear
-from master.boundary import VAGUE, BoundaryPoint, Marcher, Prediction, oscillation_std, outcome_text, sample, search, static_sample
+from master import confirm_static, linear
+from master.boundary import VAGUE, BoundaryPoint, Marcher, Prediction, oscillation_std, outcome_text, sample, search
 from master.case import Case
+from master.confirm_static import growing_sample
 from master.damping import Mode
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
@@ -88,11 +89,11 @@ class Confirm:
         point.divergence = self._divergence(mach)
         if low <= point.divergence <= high:
             self._add_divergence(point, marcher)
-        if b.uncertainty or b.richardson:
-            for i, c in enumerate(point.crossings):
-                spread = self._spread(mach, sample if c.frequency else static_sample)
-                point.crossings[i] = spread.widened(c, point.marches) if c.met else c
-                point.checks += spread.marches
+        for i, c in enumerate(point.crossings):
+            if c.met:
+                take = sample if c.frequency else growing_sample
+                point.crossings[i] = self._widened(c, point.marches, take, point.checks, mach)
+        if point.checks:
             point.outcome = outcome_text(point.crossings, point.samples, low, high, len(point.marches), point.failure)
         point.wall = clock.perf_counter() - begin
         return point
@@ -105,18 +106,27 @@ class Confirm:
             return math.nan
 
     def _add_divergence(self, point: BoundaryPoint, marcher: Marcher) -> None:
-        """March at the divergence that the steady flow promises, and add what is found to `point`."""
-        b, V_f = self.case.boundary, point.divergence
-        near = [m for m in point.marches if abs(m.scales.V_f / V_f - 1.0) < SHARED and static_sample(m).known]
-        most, low, high = len(near) + max(3, b.max_marches // 2), V_f / REACH, V_f * REACH
-        part = search(marcher, point.mach, V_f, low, high, b.tolerance, most, None, near, static_sample)
-        point.marches += part.marches[len(near) :]
-        point.samples += part.samples[len(near) :]
-        point.crossings = sorted([*point.crossings, *part.crossings], key=lambda c: c.V_f)
+        """March about the divergence that the steady flow promises, and add what is found to `point`."""
+        found, static, why = confirm_static.confirm(marcher, point.divergence, self.case.boundary.tolerance)
+        point.marches += static
+        point.samples += [sample(m) for m in static]
+        point.crossings = sorted([*point.crossings, *([] if found is None else [found])], key=lambda c: c.V_f)
         point.converged = any(c.met for c in point.crossings)
-        point.failure = part.failure or point.failure
-        low, high = b.V_f_range
+        low, high = self.case.boundary.V_f_range
         point.outcome = outcome_text(point.crossings, point.samples, low, high, len(point.marches), point.failure)
+        if why:
+            point.outcome += f"; divergence at V_f = {point.divergence:.4f} by two steady solutions not confirmed: {why}"
+
+    def _widened(
+        self, crossing: Crossing, searched: list[March], take: Callable[[March], Sample], checks: list[March], mach: float
+    ) -> Crossing:
+        """`crossing` with the parts of its error bar that were asked for; their marches go to `checks`."""
+        if not (self.case.boundary.uncertainty or self.case.boundary.richardson):
+            return crossing
+        spread = self._spread(mach, take)
+        wider = spread.widened(crossing, searched)
+        checks += spread.marches
+        return wider
 
     def _spread(self, mach: float, take: Callable[[March], Sample]) -> Spread:
         return Spread(self.case, mach, self.rig_at(mach), self.open_rig, take, self.say)
@@ -136,10 +146,17 @@ class Confirm:
                 predictions.append(Prediction(c, "not marched", None, hidden))
                 found.append(_as_crossing(c))
                 continue
+            if c.kind == "divergence":
+                marched, static, why = confirm_static.confirm(marcher, c.V_f, b.tolerance, model.real)
+                marches += static
+                samples += [sample(m) for m in static]
+                found += [] if marched is None else [self._widened(marched, static, growing_sample, checks, mach)]
+                predictions.append(_static_prediction(c, marched, why))
+                continue
             low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
 
             def take(march: March, c: LinearCrossing = c) -> Sample:
-                return static_sample(march) if c.kind == "divergence" else mode_sample(march, c, model)
+                return mode_sample(march, c, model)
 
             near = [m for m in marches if abs(m.scales.V_f / c.V_f - 1.0) < SHARED and take(m).known]
             most = len(near) + max(3, b.max_marches // 2)
@@ -150,10 +167,8 @@ class Confirm:
             # a crossing is confirmed by one of the same direction
             same = [x for x in part.crossings if x.direction == c.direction]
             marched = min(same, key=lambda x: abs(x.V_f - c.V_f), default=None)
-            if marched is not None and (b.uncertainty or b.richardson):
-                spread = self._spread(mach, take)
-                marched = spread.widened(marched, part.marches)
-                checks += spread.marches
+            if marched is not None:
+                marched = self._widened(marched, part.marches, take, checks, mach)
             predictions.append(_prediction(c, marched, part, model))
             found += [] if marched is None else [marched]
         found.sort(key=lambda x: x.V_f)
@@ -259,6 +274,14 @@ def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint
     span = f"V_f {min(s.V_f for s in known):.4f} to {max(s.V_f for s in known):.4f}"
     rates = f"{min(s.growth_rate for s in known):+.4f} to {max(s.growth_rate for s in known):+.4f}"
     return Prediction(c, "contradicted", None, f"{said} not confirmed by marches: growth rate {rates} over {span}")
+
+
+def _static_prediction(c: LinearCrossing, marched: Crossing | None, why: str) -> Prediction:
+    """What marches said of the divergence `c`, in words."""
+    said = f"divergence at V_f = {c.V_f:.4f} (steady slopes)"
+    if marched is None:
+        return Prediction(c, "contradicted", None, f"{said} not confirmed: {why}")
+    return Prediction(c, "confirmed", marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
 
 
 def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:

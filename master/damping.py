@@ -25,7 +25,7 @@ from master.poles import Poles, Solution, refine
 MOST = 12  # dimensions of the signal's space: two an oscillation, one a real pole
 PATIENCE = 3  # orders tried without a better fit before the search ends
 VISIBLE = 0.02  # a pole counts when it makes this share of a channel
-SUSPECT = 1e-3, 10.0, 5.0  # one that grows and has this share, and this many residuals, and this many standard deviations, may yet
+SUSPECT = 1e-3, 10.0, 5.0  # a smaller one may yet: share, share over residual, growth rate over its noise at least
 HARMONIC = 0.005  # relative distance from a multiple of a stronger mode's pole within which a weaker one is its harmonic
 PAIR_PAYS = 30.0  # by which a close pair of oscillations must lower the residual's variance
 FORECAST_SHARE = 2e-3  # a pole with less may be left out of a forecast
@@ -83,12 +83,9 @@ class Fit:
     def suspects(self) -> list[Mode]:
         """Poles too small to count that grow: a longer window shows whether they are motion."""
         share, residuals, sure = SUSPECT
-        return [
-            m
-            for m in [*self.modes, *self.reals]
-            if max(share, residuals * self.residual) <= m.share < VISIBLE and m.growth_rate > sure * m.growth_rate_std
-            and not _harmonic(m, self.modes)
-        ]
+        least = max(share, residuals * self.residual)
+        small = [m for m in [*self.modes, *self.reals] if least <= m.share < VISIBLE]
+        return [m for m in small if m.growth_rate > sure * m.growth_rate_std and not _harmonic(m, self.modes)]
 
     def curve(self, tau: np.ndarray) -> np.ndarray:
         """The model at `tau`. Shape: (n_channels, n)."""

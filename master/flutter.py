@@ -251,8 +251,8 @@ def _judged(table: dict[str, np.ndarray], span: Span, s: Scales, rig: FlutterRig
     said = judge(tau, free, analyse(tau, free), rig.case.flutter.neutral_band, rig.stiffness(s.V_f))
     if span.release + tau.size - 1 >= span.least or said.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE, Verdict.UNDETERMINED):
         return said
-    slow = f"the free response is shorter than {PERIODS:g} periods of the slower natural mode ({slower_frequency(rig.case):.3f} omega_alpha)"
-    return Judgement(Verdict.UNDETERMINED, slow, False, said.fit, MORE)
+    slower = f"{PERIODS:g} periods of the slower natural mode ({slower_frequency(rig.case):.3f} omega_alpha)"
+    return Judgement(Verdict.UNDETERMINED, f"the free response is shorter than {slower}", False, said.fit, MORE)
 
 
 def _checked(judged: Judgement, table: dict[str, np.ndarray], release: int, stopped: str, failed: int, steps: int) -> Judgement:

@@ -36,6 +36,7 @@ CHECK = 150.0  # length of the motion that is not fitted
 ORDER = 8  # poles
 SLOWEST, FASTEST = 0.02, 2.0  # rates of the poles first guessed, per half chord
 GRID = 160  # V_f values a range, evenly spread in their logarithm
+NEAR = 0.3  # relative distance within which two models' crossings are one
 GOOD = 0.02  # a model that misses more of the unseen motion is said to
 
 
@@ -136,11 +137,8 @@ class LinearModel:
         found = []
         for n in self.loci(low, high).neutral:
             k = n.frequency / _per_omega_alpha(self.case, n.value)
-            same = [
-                abs(o.value - n.value)
-                for o in others
-                if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency and abs(o.value / n.value - 1) < 0.3
-            ]
+            alike = [o for o in others if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency]
+            same = [abs(o.value - n.value) for o in alike if abs(o.value / n.value - 1.0) < NEAR]
             if k <= BAND and (k >= LOWEST or same):
                 doubt = min(same, default=0.1 * n.value)
                 found.append(LinearCrossing(n.value, n.frequency, n.direction, n.slope, n.branch, k, doubt))

@@ -39,7 +39,7 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit and fit.frequency else None,
         "settled": march.settled,
         "remedy": march.remedy or None,
-        "free_cycles": number(float(march.tau[-1] - march.tau[march.release]) / (2.0 * math.pi)) if march.tau.size > march.release else 0.0,
+        "free_cycles": max(0, march.tau.size - 1 - march.release) / s.steps_per_cycle,
         "modes": [_mode_data(m) for m in (fit.modes if fit else [])],
         "real_poles": [_mode_data(m) for m in (fit.reals if fit else [])],
         "static_stiffness": number(march.stiffness),
@@ -175,10 +175,9 @@ def march_summary(data: dict[str, Any]) -> str:
         )
     if data["fit_residual"] is not None:
         forecast = f"{100 * data['fit_forecast']:.2g} %" if data["fit_forecast"] is not None else "none"
-        lines.append(
-            f"  rests on     {counted(len(data['modes']), 'oscillation')} and {counted(len(data['real_poles']), 'real pole')} over "
-            f"{data['free_cycles']:.3g} free cycles; missed {100 * data['fit_residual']:.2g} %, forecast of the last part off by {forecast}"
-        )
+        poles = f"{counted(len(data['modes']), 'oscillation')} and {counted(len(data['real_poles']), 'real pole')}"
+        missed = f"missed {100 * data['fit_residual']:.2g} %, forecast of the last part off by {forecast}"
+        lines.append(f"  rests on     {poles} over {data['free_cycles']:.3g} free cycles; {missed}")
     if data["static_stiffness"] is not None:
         lines.append(f"  statics      the steady flow leaves {100 * data['static_stiffness']:.3g} % of the pitch stiffness")
     for kind, count in data["unconverged_steps"].items():
@@ -228,8 +227,7 @@ def _static_lines(p: dict[str, Any]) -> list[str]:
     if V_f is None:
         return []
     said = f"          statics: divergence at V_f = {V_f:.4f} by two steady solutions"
-    others = [
-        (f"sweeps {c['V_f_uncertainty'] / V_f:.1%} away", c["state"]) for c in (p["linear"] or {}).get("crossings", []) if c["kind"] == "divergence"
-    ]
-    marched = [f"marches {c['V_f'] / V_f - 1.0:+.1%}" for c in p["crossings"] if c["kind"] == "divergence" and c["source"] == "march"]
-    return ["; ".join([said, *(text for text, _ in others), *marched])]
+    static = [c for c in (p["linear"] or {}).get("crossings", []) if c["kind"] == "divergence"]
+    sweeps = [f"sweeps {c['V_f_uncertainty'] / V_f:.1%} away" for c in static]
+    marched = [c["V_f"] / V_f - 1.0 for c in p["crossings"] if c["kind"] == "divergence" and c["source"] == "march"]
+    return ["; ".join([said, *sweeps, *(f"marches {change:+.1%}" for change in marched)])]

@@ -29,7 +29,8 @@ def pencil(dt: float, z: np.ndarray, most: int, coarse: bool = False) -> list[Po
     # the row space of the Hankel matrix is spanned by the modes; its small Gram matrix has the same one
     v = eigh(hankel.T @ hankel, subset_by_index=(width - most, width - 1))[1][:, ::-1]
     span = x.shape[1] * dt
-    return [_poles(np.linalg.eigvals(np.linalg.lstsq(v[:-1, :p], v[1:, :p], rcond=None)[0]), dt, span) for p in range(1, most + 1)]
+    shifts = (np.linalg.lstsq(v[:-1, :p], v[1:, :p], rcond=None)[0] for p in range(1, most + 1))
+    return [_poles(np.linalg.eigvals(shift), dt, span) for shift in shifts]
 
 
 def _poles(roots: np.ndarray, dt: float, span: float) -> Poles:

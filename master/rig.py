@@ -70,7 +70,7 @@ class FlutterRig:
         self.system = assemble(components, wires(lines), case.coupling, {"slosh": surrogate} if surrogate else {})
         self._steady: Saved | None = None
         self._fmus = fmus
-        self._slopes: SteadySlopes | None | str = "not asked for"
+        self._slopes: SteadySlopes | str | None = "not asked for"
         say(f"steady flow at Mach {mach:g}")
         try:
             self._solve_steady(field_folder)
@@ -146,7 +146,7 @@ class FlutterRig:
         self.system.close()
 
     def slopes(self) -> SteadySlopes | None:
-        """Slopes of the steady loads over incidence, from a second steady solution (once a rig); None where it does not converge."""
+        """Slopes of the steady loads over incidence by a second steady solution, once a rig; None where it does not converge."""
         if isinstance(self._slopes, str):
             self._slopes = self._find_slopes()
         return self._slopes
@@ -197,7 +197,8 @@ class FlutterRig:
             "cells_normal": case.aero.cells_normal,
             "farfield_chords": case.aero.farfield_chords,
         }
-        return values | {name: value for name in ("tolerance", "max_subiterations") if (value := getattr(case.aero, name)) != "auto"}
+        given = {name: getattr(case.aero, name) for name in ("tolerance", "max_subiterations")}
+        return values | {name: value for name, value in given.items() if value != "auto"}
 
     def _solve_steady(self, field_folder: Path | None) -> None:
         """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""

@@ -67,7 +67,8 @@ def propose(
     known = _known(samples)
     failed = [s.V_f for s in samples if not s.known]
     if not known:
-        return _first(samples, failed, guess, low, high)
+        target = _first(samples, failed, guess, low, high)
+        return None if target is None or any(abs(target - s.V_f) < 1e-9 * target for s in samples) else target
     found = crossings(samples, tolerance, slope)
     if any(c.met for c in found):
         return None

@@ -7,6 +7,7 @@ that beat do the same, and so does a shock whose damping depends on amplitude.""
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from enum import StrEnum
@@ -75,7 +76,8 @@ def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: 
         said = _by_fit(late, neutral_band, stiffness)
         if said.settled:
             return Judgement(said.verdict, f"{said.reason}, in its last part", True, late, said.remedy)
-    why = f"exponentials do not describe the free response: they miss {fit.residual:.1%} of it and {fit.forecast:.1%} of its last part"
+    missed = f"they miss {fit.residual:.1%} of it and {fit.forecast:.1%} of its last part"
+    why = f"exponentials do not describe the free response: {missed}"
     remedy = "add free cycles (flutter.max_free_cycles); a smaller forced amplitude, if the response depends on it"
     return Judgement(Verdict.UNDETERMINED, why, False, fit, remedy)
 
@@ -90,7 +92,8 @@ def _by_fit(fit: Fit, neutral_band: float, stiffness: float) -> Judgement:
     critical = fit.flutter
     if critical.frequency == 0.0 and stiffness > SURE_STIFFNESS and critical.share < LARGE and fit.modes:
         critical = max(fit.modes, key=lambda m: m.growth_rate if m.share > 0.02 else -math.inf)  # a drift of the mean
-    rate, doubt = critical.growth_rate, 2.0 * (fit.growth_rate_uncertainty if critical is fit.flutter else critical.growth_rate_std)
+    rate, std = critical.growth_rate, fit.growth_rate_uncertainty if critical is fit.flutter else critical.growth_rate_std
+    doubt = 2.0 * std
     known, certain = describes(fit), doubt <= max(neutral_band, 0.5 * abs(rate))
     if stiffness < -SURE_STIFFNESS or (critical.frequency == 0.0 and rate > max(neutral_band, doubt)):
         return _static(fit, critical, rate, doubt, stiffness, known and certain)
@@ -125,7 +128,7 @@ def _static(fit: Fit, critical: Mode, rate: float, doubt: float, stiffness: floa
 
 
 def _own_change(fit: Fit, critical: Mode) -> float:
-    """Amplitude of pitch at the window's end over that a period after its start, of the critical pole and those of its frequency."""
+    """Amplitude of pitch at the window's end over that a period after its start, of the critical pole and its like in frequency."""
     own = [m for m in fit.modes if abs(m.frequency - critical.frequency) <= SAME * critical.frequency]
     t = np.array([2.0 * np.pi / critical.frequency, fit.end - fit.start])
     with np.errstate(under="ignore"):
@@ -147,7 +150,7 @@ def _settled_amplitude(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> str |
         return None
     ends = tau[-1] - period * np.arange(periods, -1, -1)
     spans = np.array(
-        [0.5 * np.ptp(channels[-1, (tau >= a - 1e-9) & (tau <= b + 1e-9)]) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        [0.5 * np.ptp(channels[-1, (tau >= a - 1e-9) & (tau <= b + 1e-9)]) for a, b in itertools.pairwise(ends)]
     )
     last = spans[-1]
     near = np.abs(spans / last - 1.0) <= SETTLED if last > 0.0 else np.zeros(periods, dtype=bool)

@@ -1,8 +1,8 @@
 """Damping and frequency of every mode over V_f at one Mach number: the V–g and V–f curves of the linear model, with the marches
 on them; as data, as a table, and as a picture.
 
-Damping is g = 2 σ/ω, the structural damping that would make a mode neutral (negative: damped without it); of a real pole, which has
-no ω, the growth rate alone is given."""
+Damping is g = 2 σ/ω, the structural damping that would make a mode neutral (negative: damped without it); of a real pole, which
+has no ω, the growth rate alone is given."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def write(point: BoundaryPoint, low: float, high: float, path: Path) -> None:
 
 
 def marched(point: BoundaryPoint) -> list[tuple[float, float, float]]:
-    """(V_f, growth_rate, frequency) of every pole that a march shows clearly (frequency 0: a real one that grows or dies slowly)."""
+    """(V_f, growth_rate, frequency) of every pole that a march shows clearly; frequency 0: a real one, which grows or dies slowly."""
     found = []
     for march in point.marches:
         if march.fit is None or not march.settled:

@@ -16,7 +16,8 @@ from master.record import RunFolder, provenance, write_history
 from master.rig import FlutterRig, find_fmus
 from master.verdict import Verdict
 
-FREE = ("flutter.free_cycles", "flutter.max_free_cycles", "output.pictures", "output.fields")  # what may differ from the checkpoint's: a march may grow
+# what may differ from the checkpoint's: a march may grow
+FREE = ("flutter.free_cycles", "flutter.max_free_cycles", "output.pictures", "output.fields")
 
 
 def register(commands: Any) -> None:
