@@ -128,7 +128,7 @@ def _static(fit: Fit, critical: Mode, rate: float, doubt: float, stiffness: floa
 
 
 def _own_change(fit: Fit, critical: Mode) -> float:
-    """Amplitude of pitch at the window's end over that a period after its start, of the critical pole and its like in frequency."""
+    """Amplitude of pitch at the window's end over that a period after its start, of the poles of the critical frequency."""
     own = [m for m in fit.modes if abs(m.frequency - critical.frequency) <= SAME * critical.frequency]
     t = np.array([2.0 * np.pi / critical.frequency, fit.end - fit.start])
     with np.errstate(under="ignore"):

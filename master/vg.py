@@ -71,7 +71,7 @@ def write(point: BoundaryPoint, low: float, high: float, path: Path) -> None:
 
 
 def marched(point: BoundaryPoint) -> list[tuple[float, float, float]]:
-    """(V_f, growth_rate, frequency) of every pole that a march shows clearly; frequency 0: a real one, which grows or dies slowly."""
+    """(V_f, growth_rate, frequency) of every pole that a march shows clearly; of real ones (frequency 0) those that are slow."""
     found = []
     for march in point.marches:
         if march.fit is None or not march.settled:
