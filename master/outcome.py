@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from master import trust
 from master.boundary import BoundaryPoint
 from master.flutter import March
-from master.slosh import LABEL
+from master.slosh import LABEL, broken, holds
 from master.verdict import Verdict
 from master.wording import error_bar, plus_minus
 
@@ -22,14 +23,18 @@ def number(value: float | None) -> float | None:
 def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     """One march. Growth rate and frequency in units of omega_alpha; cost in seconds."""
     s, fit, cost = march.scales, march.fit, march.cost
-    validity = march.history.get("slosh_validity")
+    validity = trust.validity(march)
+    stands = holds(validity)
     data: dict[str, Any] = {
         "mach": s.mach,
         "V_f": s.V_f,
         "slosh": march.slosh,
-        "slosh_validity": number(float(validity[-1])) if validity is not None and validity.size else None,
-        "verdict": str(march.verdict),
-        "reason": march.reason,
+        "slosh_validity": number(validity),
+        "slosh_holds": None if validity is None else stands,
+        "verdict": str(trust.verdict(march)),
+        "motion_verdict": str(march.verdict),
+        "reason": march.reason if validity is None or stands else f"{broken(validity)}: {march.reason}",
+        "remedy": None if stands else trust.remedy(march),
         "growth_rate": number(fit.growth_rate) if fit else None,
         "growth_rate_uncertainty": number(fit.growth_rate_uncertainty) if fit else None,
         "frequency": number(fit.frequency) if fit else None,
@@ -100,15 +105,19 @@ def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
 def point_data(point: BoundaryPoint) -> dict[str, Any]:
     """One Mach number of a boundary. `V_f`, `frequency` are the lowest onset's (or the lowest crossing's)."""
     first = min(point.crossings, key=lambda c: (c.direction != "onset", c.V_f), default=None)
+    validity = trust.of_point(point.crossings, point.marches)
+    stands = holds(validity)
     return {
         "mach": point.mach,
         "V_f": number(first.V_f) if first else None,
         "V_f_uncertainty": number(first.uncertainty) if first else None,
         "growth_rate": 0.0 if first else None,
         "frequency": number(first.frequency) if first else None,
-        "verdict": "neutral" if first else "undetermined",
-        "outcome": point.outcome,
+        "verdict": "neutral" if first and stands else "undetermined",
+        "outcome": point.outcome if validity is None or stands else f"{point.outcome}; {broken(validity)}",
         "converged": point.converged,
+        "slosh_validity": number(validity),
+        "slosh_holds": None if validity is None else stands,
         "crossings": [
             {
                 "V_f": c.V_f,
@@ -121,6 +130,7 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
                 "uncertainty_parts": c.parts,
                 "uncertainty_missing": list(c.missing),
                 "tolerance_met": c.met,
+                "slosh_validity": number(trust.of_crossing(c, point.marches)) if c.source == "march" else None,
                 "richardson": c.grids.as_data() if c.grids else None,
             }
             for c in point.crossings
@@ -153,8 +163,8 @@ def march_summary(data: dict[str, Any]) -> str:
     for kind, count in data["unconverged_steps"].items():
         if count:
             lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
-    if (data["slosh_validity"] or 0.0) > 1.0:
-        lines.append(f"  note: the slosh model does not hold (validity {data['slosh_validity']:.3g}, edge 1)")
+    if data["remedy"]:
+        lines.append(f"  the motion as computed: {data['motion_verdict']}. remedy: {data['remedy']}")
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
     cost = data["cost"]
@@ -171,6 +181,9 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
     """The boundary as a table."""
     lines = ["  Mach    V_f              frequency  marches  wall"]
     for p in points:
+        if p["slosh_holds"] is False:
+            worst = math.inf if p["slosh_validity"] is None else p["slosh_validity"]
+            lines.append(f"  {p['mach']:<6.3f}  UNDETERMINED: {broken(worst)}; as computed:")
         if p["V_f"] is None:
             lines.append(f"  {p['mach']:<6.3f}  {p['outcome']}")
             continue

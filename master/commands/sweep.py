@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
+from master import case_checks, plausible
 from master.case import Case
 from master.commands import common
 from master.errors import AeroSloshError, ExitCode
@@ -87,6 +88,12 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             say(f"point {product.record.id} failed: {product.record.cause}")
 
     begin = clock.perf_counter()
+    case.given |= set(wanted.names)
+    silent = case_checks.told(case, wanted.kind)
+    if silent:
+        say(silent)
+    for doubt in dict.fromkeys(doubt for point in wanted.points for doubt in plausible.doubts(point.case)):
+        say(f"warning: {doubt}")
     store = Store.open(folder, say)
     pool: Pool | None = None
     try:
