@@ -12,6 +12,7 @@ Only cases read from a file are asked for their keys: who makes a `Case` in code
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 from master import plausible
@@ -51,26 +52,30 @@ def required(case: Case, command: str) -> tuple[str, ...]:
 
 def complete(case: Case, command: str, where: str) -> None:
     """Refuse a case read from a file in which a required key is missing. Raises AeroSloshError that names all of them."""
-    if not case.source:
-        return
-    missing = [name for name in required(case, command) if name not in case.given]
+    if case.source:
+        liquid = f' with slosh.model = "{case.slosh.model}"' if case.slosh.model != "none" else ""
+        asks = "march" if command == "rig" else command
+        require(case, required(case, command), case.given, where, f"a {asks}{liquid}")
+
+
+def require(holder: Any, names: Sequence[str], given: Collection[str], where: str, asks: str) -> None:
+    """Refuse to go without one of the keys `names` (table.key) of the tables of `holder`; `asks`: who wants them.
+
+    Raises AeroSloshError that names all that are missing, each with its meaning and unit."""
+    missing = [name for name in names if name not in given]
     if not missing:
         return
     lines = []
-    for table in dict.fromkeys(name.partition(".")[0] for name in missing):
-        fields = {f.name: f.metadata for f in dataclasses.fields(getattr(case, table))}
-        for name in (n.partition(".")[2] for n in missing if n.startswith(f"{table}.")):
-            rule = fields[name]
-            unit = "" if rule["unit"] == "1" else f", {rule['unit']}"
-            lines.append(f"            {table}.{name}: {rule['doc']}{unit}")
-    liquid = f' with slosh.model = "{case.slosh.model}"' if any(name in MOVING for name in missing) else ""
-    count = "a key" if len(missing) == 1 else f"{len(missing)} keys"
-    asks = "march" if command == "rig" else command
+    for name in missing:
+        table, _, key = name.partition(".")
+        rule = next(f.metadata for f in dataclasses.fields(getattr(holder, table)) if f.name == key)
+        lines.append(f"            {name}: {rule['doc']}" + ("" if rule["unit"] == "1" else f" [{rule['unit']}]"))
+    count, them = ("a key", "it") if len(missing) == 1 else (f"{len(missing)} keys", "them")
     raise AeroSloshError(
-        f"The case leaves out {count} that a {asks}{liquid} cannot do without: {', '.join(missing)}",
+        f"The case leaves out {count} that {asks} cannot do without: {', '.join(missing)}",
         where,
-        f"write {'it' if len(missing) == 1 else 'them'} in the case ([{missing[0].replace('.', '] ', 1)} = …), or give "
-        f"--set {missing[0]}=VALUE; no other section's value stands in:\n" + "\n".join(lines),
+        f"write {them} in the case ([{missing[0].replace('.', '] ', 1)} = …), or give --set {missing[0]}=VALUE; "
+        "no other case's value stands in:\n" + "\n".join(lines),
     )
 
 

@@ -6,8 +6,7 @@ is refused by its file and key, and before anything is computed."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from master.errors import AeroSloshError
 
 if TYPE_CHECKING:
     from master.case import Case
+    from master.training_case import TrainingCase
 
 HEAVY = 5.0  # liquid over section: more is unusual
 FAR = 10.0  # chords: no tank of a section is longer or further away
@@ -67,18 +67,11 @@ LIQUID = {
 
 def refuse(case: Case, where: str) -> None:
     """Refuse a value beyond all that is possible. Raises AeroSloshError."""
-    for name, rule, value in _values(case):
-        low, high = rule.possible
-        if not (low <= value <= high):
-            meant = rule.meant(value)
-            raise AeroSloshError(
-                f"{name} = {value:g} {rule.unit} is beyond all that is possible ({low:g} to {high:g} {rule.unit})",
-                f"{where}, key {name}",
-                f"give it in {rule.unit}" + (f": {meant}" if meant else ""),
-            )
-    s, chord = case.slosh, case.section.chord
-    if s.model == "none":
+    _refuse(_numbers(case, FLOW), where)
+    if case.slosh.model == "none":
         return
+    refuse_liquid(case, where)
+    s, chord = case.slosh, case.section.chord
     for name in ("tank_length", "tank_height", "tank_x", "tank_y"):
         value = getattr(s, name)
         if abs(value) > FAR * chord:
@@ -88,6 +81,12 @@ def refuse(case: Case, where: str) -> None:
                 f"{where}, key slosh.{name}",
                 "give tank and chord in m, of the same wing" + (f": {meant}" if meant else ""),
             )
+
+
+def refuse_liquid(holder: Case | TrainingCase, where: str) -> None:
+    """The same for the table [slosh] alone."""
+    _refuse(_numbers(holder, LIQUID), where)
+    s = holder.slosh
     if s.gas_density >= s.liquid_density:
         raise AeroSloshError(
             f"slosh.gas_density = {s.gas_density:g} is not below slosh.liquid_density = {s.liquid_density:g} kg/m3",
@@ -99,7 +98,7 @@ def refuse(case: Case, where: str) -> None:
 def doubts(case: Case) -> list[str]:
     """What is unusual, a sentence each."""
     found = []
-    for name, rule, value in _values(case):
+    for name, rule, value in _numbers(case, FLOW | (LIQUID if case.slosh.model != "none" else {})):
         low, high = rule.usual
         if value == 0.0 or low <= value <= high:
             continue
@@ -122,10 +121,22 @@ def doubts(case: Case) -> list[str]:
     return found
 
 
-def _values(case: Case) -> Iterator[tuple[str, Rule, float]]:
-    """Key, rule and value of every number that has a unit one can be wrong in."""
-    for name, rule in (FLOW | (LIQUID if case.slosh.model != "none" else {})).items():
+def _refuse(numbers: Iterable[tuple[str, Rule, float]], where: str) -> None:
+    for name, rule, value in numbers:
+        low, high = rule.possible
+        if not (low <= value <= high):
+            meant = rule.meant(value)
+            raise AeroSloshError(
+                f"{name} = {value:g} {rule.unit} is beyond all that is possible ({low:g} to {high:g} {rule.unit})",
+                f"{where}, key {name}",
+                f"give it in {rule.unit}" + (f": {meant}" if meant else ""),
+            )
+
+
+def _numbers(holder: Case | TrainingCase, rules: dict[str, Rule]) -> Iterator[tuple[str, Rule, float]]:
+    """Key, rule and value of every number ("auto" is none)."""
+    for name, rule in rules.items():
         table, _, key = name.partition(".")
-        value = getattr(getattr(case, table), key)
-        if isinstance(value, int | float) and math.isfinite(value):
+        value = getattr(getattr(holder, table), key)
+        if isinstance(value, int | float):
             yield name, rule, float(value)
