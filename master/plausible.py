@@ -58,7 +58,7 @@ LIQUID = {
     "slosh.tank_length": Rule("m", (1e-6, 100.0), (0.01, 20.0), _LENGTHS),
     "slosh.tank_height": Rule("m", (1e-6, 100.0), (0.005, 20.0), _LENGTHS),
     "slosh.liquid_density": Rule("kg/m3", (20.0, 30000.0), (50.0, 5000.0), {"g/cm3": _times(1e3), "g/m3": _times(1e-3)}),
-    "slosh.liquid_viscosity": Rule("m2/s", (0.0, 0.1), (1e-8, 3e-4), _STOKES),
+    "slosh.liquid_viscosity": Rule("m2/s", (0.0, 0.1), (1e-7, 3e-4), _STOKES),
     "slosh.gas_viscosity": Rule("m2/s", (0.0, 1.0), (1e-8, 1e-2), _STOKES),
     "slosh.gravity": Rule("m/s2", (0.0, 500.0), (0.1, 30.0), {"cm/s2": _times(1e-2), "ft/s2": _times(0.3048)}),
     "slosh.surface_tension": Rule("N/m", (0.0, 2.0), (1e-4, 0.6), {"mN/m (dyn/cm)": _times(1e-3)}),
@@ -104,7 +104,8 @@ def doubts(case: Case) -> list[str]:
             continue
         meant = rule.meant(value)
         if name == "slosh.liquid_viscosity" and low <= value / case.slosh.liquid_density <= high:
-            meant = f"a dynamic viscosity of {value:g} Pa s is {value / case.slosh.liquid_density:.3g} m2/s"
+            dynamic = f"a dynamic viscosity of {value:g} Pa s is {value / case.slosh.liquid_density:.3g} m2/s"
+            meant = f"{meant}, {dynamic}" if meant else dynamic
         text = f"{name} = {value:g} {rule.unit} is unusual (most lie in {low:g} to {high:g})"
         found.append(text + (f"; {meant}" if meant else ""))
     if case.slosh.model == "none":
