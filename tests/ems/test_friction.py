@@ -116,8 +116,10 @@ def test_without_viscosity_friction_does_nothing() -> None:
     assert watched(Friction(one, 0.0), one, 0.77) == 0.0
     # nor at rest, where only the first wave's damping ratio tells
     still = Friction(one, 1e-4)
-    assert still.number(still.start(SectionMotion())) == still.thick == pytest.approx(
-        float(stokes_damping(one, modes(one, 1).omega, 1e-4)[0]) / THICK
+    assert (
+        still.number(still.start(SectionMotion()))
+        == still.thick
+        == pytest.approx(float(stokes_damping(one, modes(one, 1).omega, 1e-4)[0]) / THICK)
     )
 
 
