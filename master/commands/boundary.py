@@ -47,7 +47,7 @@ def execute(options: argparse.Namespace) -> int:
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
-        told = common.tell(options, case, "boundary", folder.log)
+        told = common.tell(options, [case], "boundary", folder.log)
         begin = clock.perf_counter(), clock.process_time()
         points, hashes = _solve(case, fmus, folder, progress)
         folder.keep()

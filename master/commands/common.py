@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from master.progress import Progress
 from master.record import RunFolder
 
 EVERY = 500  # steps between two checkpoints
+DOUBTS = 5  # warnings shown of a sweep's points
 
 
 def show(error: AeroSloshError) -> None:
@@ -106,14 +107,17 @@ def load_case(options: argparse.Namespace, command: str = "", changes: Mapping[s
     return case
 
 
-def tell(options: argparse.Namespace, case: Case, command: str, log: Callable[[str], None]) -> dict[str, Any]:
-    """Say what in `case` nobody gave and what is unusual: into the log, and on standard error but with --json; as data."""
-    doubts, silent = plausible.doubts(case), case_checks.told(case, command)
-    for text in [*([silent] if silent else []), *(f"warning: {doubt}" for doubt in doubts)]:
+def tell(options: argparse.Namespace, asked: Sequence[Case], command: str, log: Callable[[str], None]) -> dict[str, Any]:
+    """Say what nobody gave in the cases `asked` (the points of a sweep, or one) and what is unusual in any of them: into the
+    log, and on standard error but with --json; as data."""
+    silent = case_checks.told(asked[0], command)
+    doubts = list(dict.fromkeys(doubt for case in asked for doubt in plausible.doubts(case)))
+    more = [f"warning: {len(doubts) - DOUBTS} more of the kind"] if len(doubts) > DOUBTS else []
+    for text in [*([silent] if silent else []), *(f"warning: {doubt}" for doubt in doubts[:DOUBTS]), *more]:
         log(text)
         if not options.json:
             print(text, file=sys.stderr, flush=True)
-    return {"defaults": case_checks.defaults(case, command), "warnings": doubts}
+    return {"defaults": case_checks.defaults(asked[0], command), "warnings": doubts}
 
 
 def run_folder(options: argparse.Namespace, name: str) -> Path:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import case_checks, plausible
 from master.case import Case
 from master.commands import common
 from master.errors import AeroSloshError, ExitCode
@@ -88,12 +87,8 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             say(f"point {product.record.id} failed: {product.record.cause}")
 
     begin = clock.perf_counter()
-    case.given |= set(wanted.names)
-    silent = case_checks.told(case, wanted.kind)
-    if silent:
-        say(silent)
-    for doubt in dict.fromkeys(doubt for point in wanted.points for doubt in plausible.doubts(point.case)):
-        say(f"warning: {doubt}")
+    case.given |= set(wanted.names)  # case.toml marks as defaults what is neither given nor swept
+    told = common.tell(options, [p.case for p in wanted.points], wanted.kind, lambda text: sweep.log(folder, text))
     store = Store.open(folder, say)
     pool: Pool | None = None
     try:
@@ -108,7 +103,7 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             say(f"{len(left)} of {len(wanted.points)} points to compute on {pool.name}")
             _forecast(pool, left, progress)
             sweep.run(wanted, store, pool, " ".join(sys.argv), progress.show, on_product)
-        return report.conclude(options, wanted, store, clock.perf_counter() - begin)
+        return report.conclude(options, wanted, store, clock.perf_counter() - begin, told)
     except KeyboardInterrupt:
         kept = len(wanted.points) - len(store.left(wanted))
         said = f"interrupted; {kept} of {len(wanted.points)} points are finished and kept, --resume goes on"

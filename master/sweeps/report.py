@@ -19,8 +19,9 @@ from master.sweeps.sweep import Store
 SHOWN = 5  # causes of failures in the summary
 
 
-def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float) -> int:
-    """Write sweep.csv and sweep.png, print the summary; `wall` seconds were spent. Raises AeroSloshError on a full disk."""
+def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float, told: dict[str, Any]) -> int:
+    """Write sweep.csv and sweep.png, print the summary; `wall` seconds were spent, `told` of the case (`common.tell`) goes into
+    the JSON. Raises AeroSloshError on a full disk."""
     rows = store.ledger.rows()
     table = sweep_results.flat(rows, plan.kind, plan.names)
     files = ["sweep.csv"]
@@ -44,7 +45,7 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float)
         "wall_seconds": wall,
         "cpu_seconds": sum(row.cpu_seconds for row in rows),
         "folder": str(store.folder),
-    }
+    } | told
     if options.json:
         print(json.dumps(data | {"rows": [dataclasses.asdict(row) for row in rows]}, allow_nan=False))
     else:
