@@ -170,7 +170,7 @@ def test_a_failing_component_reaches_the_user(flutter_fmus: Path, tmp_path: Path
     [
         (["--mach", "3"], ["flow.mach = 3.0", "out of range", "remedy"]),
         (["--slosh", "water"], ["slosh.model", "available: none, frozen, ems, rbf, vof"]),
-        (["--slosh", "rbf"], ["FMU missing: slosh_rbf.fmu", "make fmus"]),
+        (["--slosh", "rbf"], ["cannot do without: slosh.tank_length", "--set slosh.tank_length=VALUE"]),
         (["--set", "section.mass_ratio=-1"], ["section.mass_ratio", "above 0"]),
         (["--set", "flow.machh=1"], ["did you mean 'mach'"]),
         (["--bogus"], ["unrecognized arguments"]),
@@ -190,6 +190,11 @@ def test_bad_input_exits_with_2_and_leaves_nothing(
 def test_missing_fmus(tmp_path: Path) -> None:
     done = aeroslosh("point", CASE, "--fmus", tmp_path, "--out", tmp_path / "run")
     assert done.returncode == 2 and "make fmus" in done.stderr
+
+
+def test_a_missing_slosh_fmu(flutter_fmus: Path, tmp_path: Path) -> None:
+    done = aeroslosh("point", CASE.with_name("paper_s.toml"), "--slosh", "rbf", "--out", tmp_path / "run", fmus=flutter_fmus)
+    assert done.returncode == 2 and "FMU missing: slosh_rbf.fmu" in done.stderr and "make fmus" in done.stderr
 
 
 def test_undetermined_exits_with_4(flutter_fmus: Path, tmp_path: Path) -> None:
