@@ -17,6 +17,7 @@ with the two edges found against slosh_vof (docs/ems.md): below 1 the loads are 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -51,18 +52,23 @@ class Friction:
         self.thick = float(laminar[0]) / THICK
         zeta = np.full(MODES, damping) if damping > 0.0 else laminar
         inertia = np.concatenate([np.ones(MODES), 1.0 + 2.0 * self.layers])
-        root = np.sqrt(inertia)
-        self._bank = Oscillators(np.tile(first.omega, 2) / root, np.minimum(np.tile(zeta, 2) / root, LARGEST_DAMPING))
-        self._push = 1.0 / inertia  # of the body force
-        self._lever = np.tile(tank.centre_y + first.height, 2)
+        root, push = np.sqrt(inertia), 1.0 / inertia
+        self._bank = bank = Oscillators(np.tile(first.omega, 2) / root, np.minimum(np.tile(zeta, 2) / root, LARGEST_DAMPING))
+        lever = np.tile(tank.centre_y + first.height, 2)
         self._level = np.tile(tank.gravity / first.omega**2, 2)
-        # of displacement, velocity and push → the force along, and the moment about the liquid's centre over half the length [N]
+        # accelerations of the modes from tilt, surge and pitch; from imaginary and real part of w
+        self._drive = np.stack([tank.gravity * push, -push, -lever * push])
+        place, decay = 1.0 / bank.rate.imag, bank.rate.real / bank.rate.imag
+        by_real = -2.0 * bank.damping * bank.omega
+        by_imag = by_real * decay - bank.omega**2 * place
+        # force along and moment about the liquid's centre over half the length [N], without the inertia and with it
         arm = 2.0 / tank.length
-        own = np.stack([-first.mass, -arm * first.mass * first.height])
-        self._own = np.concatenate([own, own], axis=1)
-        self._weight = np.tile(arm * first.mass * tank.gravity, 2)
+        rows = np.stack([-first.mass, -arm * first.mass * first.height])
+        masses = np.kron(np.eye(2), rows)
+        weight = np.kron(np.eye(2), np.stack([np.zeros(MODES), arm * first.mass * tank.gravity]))
+        self._of_waves = np.concatenate([masses * by_imag + weight * place, masses * by_real], axis=1)
+        self._of_motion = masses @ self._drive.T
         self._least = 1e-12 * tank.mass * tank.gravity
-        self._gravity = tank.gravity
 
     @property
     def far_above(self) -> float:
@@ -75,15 +81,11 @@ class Friction:
 
     def advance(self, seen: Seen, course: Array, end: SectionMotion, duration: float) -> Seen:
         """After `duration` [s] of a course (tank.motion.course) that ends with the motion `end`."""
-        bank, g = self._bank, self._gravity
-        force = ((g * course[3] - course[8])[:, None] - course[5][:, None] * self._lever) * self._push
-        w = bank.advance(seen.w, force, duration)
-        s, push = bank.displacement(w), (g * end.alpha - end.x_ddot - end.alpha_ddot * self._lever) * self._push
-        acceleration = push - bank.omega * (2.0 * bank.damping * bank.velocity(w) + bank.omega * s)
-        along, turn = (self._own * acceleration).reshape(2, 2, MODES).sum(axis=2)
-        turn = turn + (self._weight * s).reshape(2, MODES).sum(axis=1)
-        load = float(np.hypot(along[0], turn[0]))
-        return Seen(w, max(seen.load, load), max(seen.gap, float(np.hypot(along[1] - along[0], turn[1] - turn[0]))))
+        w = self._bank.advance(seen.w, course[[3, 8, 5]].T @ self._drive, duration)
+        push = np.array([end.alpha, end.x_ddot, end.alpha_ddot])
+        along, turn, along_too, turn_too = (self._of_waves @ np.concatenate([w.imag, w.real]) + self._of_motion @ push).tolist()
+        load, gap = math.hypot(along, turn), math.hypot(along_too - along, turn_too - turn)
+        return Seen(w, max(seen.load, load), max(seen.gap, gap))
 
     def number(self, seen: Seen) -> float:
         """0 without friction, 1 at the edge, above: linear slosh does not hold."""
