@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
+from master import trust
 from master.boundary import BoundaryPoint
 from master.linear import LinearCrossing
 from master.plots import BLUE, GREEN, GREY, RED, STYLE, plt
 from master.search import Crossing
-from master.slosh import LABEL
+from master.slosh import LABEL, holds
 
 NEAR = 0.45  # crossings of neighbouring Mach numbers further apart than this in ln V_f and ln frequency are not joined
 COLORS = {"onset": BLUE, "recovery": GREEN, "divergence": RED, "end of divergence": RED}
@@ -80,6 +81,13 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
             style = {"fmt": mark, "color": COLORS[direction], "mfc": "white", "mew": 1.3, "ms": 5.5, "zorder": 3}
             top.errorbar(mach, value, yerr=2.0 * error, capsize=3, label=f"{direction}{liquid}, marched (± 2 standard)", **style)
             low.errorbar(mach, frequency, **style)
+        doubtful = [
+            (p.mach, c.V_f) for p in points for c in p.crossings
+            if c.source == "march" and not holds(trust.of_crossing(c, p.marches))
+        ]  # fmt: skip
+        if doubtful:
+            style = {"color": RED, "ms": 11, "mew": 1.6, "zorder": 5}
+            top.plot(*zip(*doubtful, strict=True), "x", label="slosh model does not hold: undetermined", **style)
         missed = [(p.mach, q.crossing.V_f) for p in points for q in p.predictions if q.state == "contradicted"]
         if missed:
             top.plot(*zip(*missed, strict=True), "x", color=RED, ms=6, label="linear, not confirmed", zorder=3)

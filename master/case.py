@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import settings
+from master import case_checks, settings
 from master.errors import AeroSloshError
 from master.settings import key, rule
 
@@ -216,7 +216,10 @@ class Output:
 
 @dataclass
 class Case:
-    """All tables. `name` is the file's stem."""
+    """All tables. `name` is the file's stem.
+
+    source  the file it was read from, "" for a case made in code, whose defaults (Isogai's case A) are the author's affair
+    given   "table.key" of every key that file, overrides or sweep set; the others stand at their default (`case_checks`)"""
 
     name: str = "isogai_a"
     section: Section = field(default_factory=Section)
@@ -228,81 +231,67 @@ class Case:
     slosh: Slosh = field(default_factory=Slosh)
     sweep: Sweep = field(default_factory=Sweep)
     output: Output = field(default_factory=Output)
+    source: str = field(default="", compare=False)
+    given: set[str] = field(default_factory=set, compare=False, repr=False)
 
 
 TABLES: dict[str, Any] = {name: hint for name, hint in typing.get_type_hints(Case).items() if dataclasses.is_dataclass(hint)}
 
 
-def load(path: Path, overrides: Sequence[str] = ()) -> Case:
-    """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
+def load(path: Path, overrides: Sequence[str] = (), command: str = "") -> Case:
+    """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key, remedy).
+
+    command: "point" or "boundary" refuses a case without the keys that it needs (`case_checks.REQUIRED`); "" only reads: a sweep
+    may bring them, and whoever marches the case asks then."""
     data, lines = settings.read(path, "case file", "cases/isogai_a.toml")
-    case = Case(name=path.stem)
+    case = Case(name=path.stem, source=str(path))
     if "components" in data:
         raise AeroSloshError("This is a system file, not a case", str(path), f"aeroslosh run {path}")
     settings.fill(case, TABLES, data, lines, path)
+    case.given = {f"{table}.{name}" for table, content in data.items() for name in content}
     beside = path.parent / case.flow.airfoil
     if beside.is_file():  # a coordinate file is named relative to the case, wherever the command runs
         case.flow.airfoil = str(beside.resolve())
     for override in overrides:
-        settings.override(case, TABLES, override)  # checked together at the end: two overrides may belong together
-    _check_together(case, str(path))
+        _override(case, override)  # checked together at the end: two overrides may belong together
+    if command:
+        case_checks.complete(case, command, str(path))
+    case_checks.together(case, str(path))
     return case
 
 
 def apply_override(case: Case, override: str) -> None:
     """Apply one `section.key=value` in place; the value is read as TOML, else as a word. Raises AeroSloshError."""
+    _override(case, override)
+    case_checks.together(case, f"--set {override}")
+
+
+def _override(case: Case, override: str) -> None:
     settings.override(case, TABLES, override)
-    _check_together(case, f"--set {override}")
+    case.given.add(override.partition("=")[0].strip())
 
 
-def changed(case: Case, values: Mapping[str, Any], where: str) -> Case:
-    """A copy of `case` with the keys `values` (table.key → value), checked together. Raises AeroSloshError."""
+def changed(case: Case, values: Mapping[str, Any], where: str, command: str = "") -> Case:
+    """A copy of `case` with the keys `values` (table.key → value), checked together, for `command` as in `load`.
+
+    Raises AeroSloshError."""
     copied = copy.deepcopy(case)
     for dotted, value in values.items():
         table, _, name = dotted.partition(".")
         settings.assign(getattr(copied, table), table, name, value, f"{where}, key {dotted}")
-    _check_together(copied, where)
+        copied.given.add(dotted)
+    if command:
+        case_checks.complete(copied, command, where)
+    case_checks.together(copied, where)
     return copied
 
 
 def dump(case: Case) -> str:
-    """The resolved case as TOML, each key with its unit and description."""
-    return f"# resolved case {case.name}: every key with its value, unit and meaning\n{settings.dump(case, TABLES)}"
+    """The resolved case as TOML, each key with its unit and description, those at their default marked as such."""
+    head = f'# resolved case {case.name}: every key with its value, unit and meaning; "default": nobody gave it\n'
+    return head + settings.dump(case, TABLES, case.given if case.source else None)
 
 
 def flat(case: Case) -> dict[str, Any]:
     """All settings as "table.key" → value."""
     return settings.flat(case, TABLES)
-
-
-def _check_together(case: Case, where: str) -> None:
-    """What no single key can tell."""
-    s, f, b = case.section, case.flutter, case.boundary
-    if case.slosh.predictor == case.slosh.model != "none" or (case.slosh.predictor != "none" and case.slosh.model == "none"):
-        raise AeroSloshError(
-            f'slosh.predictor = "{case.slosh.predictor}" for slosh.model = "{case.slosh.model}"',
-            where,
-            "a cheaper model of the moving liquid predicts a dearer one: ems or rbf for vof, ems for rbf",
-        )
-    if s.r2_alpha <= s.x_alpha**2:
-        raise AeroSloshError(
-            f"section.r2_alpha = {s.r2_alpha:g} is not above x_alpha^2 = {s.x_alpha**2:g}: the mass matrix is not positive",
-            where,
-            "the radius of gyration is about the elastic axis: r2_alpha = x_alpha^2 + (r_cg/b)^2",
-        )
-    if f.forced_cycles == 0.0 and f.initial_alpha_dot == 0.0:
-        raise AeroSloshError(
-            "Nothing disturbs the section: flutter.forced_cycles and flutter.initial_alpha_dot are both 0",
-            where,
-            "force at least one cycle, or give an initial pitch rate",
-        )
-    if f.forced_cycles > 0.0 and f.initial_alpha_dot != 0.0:
-        raise AeroSloshError(
-            "flutter.initial_alpha_dot has no effect while the pitch is forced",
-            where,
-            "set flutter.forced_cycles = 0 for a free start, or the rate to 0",
-        )
-    if f.forced_cycles > 0.0 and f.forced_amplitude_deg == 0.0:
-        raise AeroSloshError("flutter.forced_amplitude_deg is 0", where, "give an amplitude, for instance 1")
-    if len(b.V_f_range) != 2 or b.V_f_range[0] >= b.V_f_range[1]:
-        raise AeroSloshError(f"boundary.V_f_range = {b.V_f_range} is not [low, high]", where, "write V_f_range = [0.2, 3.0]")

@@ -12,7 +12,8 @@ class ExitCode(IntEnum):
     DIFFERENT      `compare`: the runs differ
     INPUT          a bad case, override, command line, missing FMU or output folder; nothing was computed
     COMPONENT      an FMU failed (its message and traceback were shown); the history so far is kept
-    UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short, too noisy)
+    UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short, too noisy,
+                   or the slosh model does not hold)
     INCOMPLETE     a sweep ended before all its points (full disk, cluster gone): what is finished is kept, --resume goes on
     INTERNAL       a fault of ours, with a traceback
     INTERRUPTED    stopped by Ctrl-C

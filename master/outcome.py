@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from master import vg
+from master import trust, vg
 from master.boundary import BoundaryPoint
 from master.damping import Mode
 from master.flutter import March
-from master.slosh import LABEL
+from master.slosh import LABEL, broken, holds
 from master.verdict import Verdict
 from master.wording import counted, error_bar, plus_minus
 
@@ -24,21 +24,24 @@ def number(value: float | None) -> float | None:
 def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     """One march. Growth rate and frequency in units of omega_alpha; cost in seconds."""
     s, fit, cost = march.scales, march.fit, march.cost
-    validity = march.history.get("slosh_validity")
+    validity = trust.validity(march)
+    stands = holds(validity)
     data: dict[str, Any] = {
         "mach": s.mach,
         "V_f": s.V_f,
         "slosh": march.slosh,
-        "slosh_validity": number(float(validity[-1])) if validity is not None and validity.size else None,
-        "verdict": str(march.verdict),
-        "reason": march.reason,
+        "slosh_validity": number(validity),
+        "slosh_holds": None if validity is None else stands,
+        "verdict": str(trust.verdict(march)),
+        "motion_verdict": str(march.verdict),
+        "reason": march.reason if validity is None or stands else f"{broken(validity)}: {march.reason}",
+        "remedy": (march.remedy or None) if stands else trust.remedy(march),
         "growth_rate": number(fit.growth_rate) if fit else None,
         "growth_rate_uncertainty": number(fit.growth_rate_uncertainty) if fit else None,
         "frequency": number(fit.frequency) if fit else None,
         "frequency_uncertainty": number(fit.frequency_uncertainty) if fit else None,
         "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit and fit.frequency else None,
         "settled": march.settled,
-        "remedy": march.remedy or None,
         "free_cycles": max(0, march.tau.size - 1 - march.release) / s.steps_per_cycle,
         "modes": [_mode_data(m) for m in (fit.modes if fit else [])],
         "real_poles": [_mode_data(m) for m in (fit.reals if fit else [])],
@@ -116,17 +119,21 @@ def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
 def point_data(point: BoundaryPoint) -> dict[str, Any]:
     """One Mach number of a boundary. `V_f`, `frequency` are the lowest onset's (or the lowest crossing's)."""
     first = min(point.crossings, key=lambda c: (c.direction != "onset", c.V_f), default=None)
+    validity = trust.of_point(point.crossings, point.marches)
+    stands = holds(validity)
     return {
         "mach": point.mach,
         "V_f": number(first.V_f) if first else None,
         "V_f_uncertainty": number(first.uncertainty) if first else None,
         "growth_rate": 0.0 if first else None,
         "frequency": number(first.frequency) if first else None,
-        "verdict": "neutral" if first else "undetermined",
+        "verdict": "neutral" if first and stands else "undetermined",
         "kind": first.kind if first else None,
         "static_divergence_V_f": number(point.divergence),
-        "outcome": point.outcome,
+        "outcome": point.outcome if validity is None or stands else f"{point.outcome}; {broken(validity)}",
         "converged": point.converged,
+        "slosh_validity": number(validity),
+        "slosh_holds": None if validity is None else stands,
         "crossings": [
             {
                 "V_f": c.V_f,
@@ -140,6 +147,7 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
                 "uncertainty_parts": c.parts,
                 "uncertainty_missing": list(c.missing),
                 "tolerance_met": c.met,
+                "slosh_validity": number(trust.of_crossing(c, point.marches)) if c.source == "march" else None,
                 "richardson": c.grids.as_data() if c.grids else None,
             }
             for c in point.crossings
@@ -183,8 +191,8 @@ def march_summary(data: dict[str, Any]) -> str:
     for kind, count in data["unconverged_steps"].items():
         if count:
             lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
-    if (data["slosh_validity"] or 0.0) > 1.0:
-        lines.append(f"  note: the slosh model does not hold (validity {data['slosh_validity']:.3g}, edge 1)")
+    if data["slosh_holds"] is False:
+        lines.append(f"  the motion as computed: {data['motion_verdict']}")
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
     cost = data["cost"]
@@ -201,6 +209,9 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
     """The boundary as a table."""
     lines = ["  Mach    V_f              frequency  marches  wall"]  # a divergence has frequency 0
     for p in points:
+        if p["slosh_holds"] is False:
+            worst = math.inf if p["slosh_validity"] is None else p["slosh_validity"]
+            lines.append(f"  {p['mach']:<6.3f}  UNDETERMINED: {broken(worst)}; as computed:")
         if p["V_f"] is None:
             lines += [f"  {p['mach']:<6.3f}  {p['outcome']}", *_static_lines(p)]
             continue

@@ -107,7 +107,8 @@ def _result(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise AeroSloshError(f"The result cannot be read: {error}", str(path), "give what a run wrote, whole") from None
     if not isinstance(data, dict):
         raise AeroSloshError("The file holds no result of a run", str(path), "give a result.json that a run wrote")
-    return {k: v for k, v in data.items() if k != "provenance"}, flat(data.get("provenance", {}))
+    kept = {k: v for k, v in data.items() if k not in ("provenance", "defaults")}  # the settings tell all values
+    return kept, flat(data.get("provenance", {}))
 
 
 def _settings(path: Path) -> tuple[dict[str, Any], dict[str, str]]:

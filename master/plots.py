@@ -11,9 +11,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from master import vtk
+from master import trust, vtk
 from master.flutter import March
-from master.slosh import LABEL
+from master.slosh import LABEL, holds
 from master.wording import plus_minus
 
 BLUE, RED, GREY, GREEN = "#1f5fa8", "#c0392b", "#7a7a7a", "#2e8b57"
@@ -39,7 +39,9 @@ def headline(march: March) -> str:
     """Mach, V_f, verdict, growth rate and frequency in one line."""
     s, fit = march.scales, march.fit
     liquid = f", {LABEL[march.slosh]}" if march.slosh != "none" else ""
-    text = f"Mach {s.mach:g}, $V_f$ = {s.V_f:.4g}{liquid}: {march.verdict}"
+    text = f"Mach {s.mach:g}, $V_f$ = {s.V_f:.4g}{liquid}: {trust.verdict(march)}"
+    if not holds(trust.validity(march)):
+        text += f" (slosh model does not hold; the motion: {march.verdict})\n"
     if fit is None:
         return text
     return text + (

@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from scipy.io import netcdf_file
 
+from master import trust
 from master.case import Case, dump
 from master.channels import REALS
 from master.errors import AeroSloshError
@@ -177,7 +178,7 @@ def march_attributes(march: March) -> dict[str, Any]:
         "mass": s.mass,
         "steps_per_cycle": s.steps_per_cycle,
         "release_index": march.release,
-        "verdict": str(march.verdict),
+        "verdict": str(trust.verdict(march)),
         "reason": march.reason,
         "failure": march.failure.what if march.failure else "",
         "stopped": march.stopped,

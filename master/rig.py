@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-from master import slosh
+from master import case_checks, slosh
 from master.case import Case
 from master.component import Component, Saved
 from master.errors import AeroSloshError, ComponentError
@@ -58,10 +58,13 @@ class FlutterRig:
         field_folder: Path | None = None,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
+        case_checks.complete(case, "rig", case.source)
         self.case, self.mach = case, mach
         self.structure = Component(fmus["structure"], "structure")
         self.aero = Component(fmus["aero"], "aero")
         self.tank = slosh.Tank(case.slosh, fmus) if case.slosh.model != "none" else None
+        if self.tank is not None and self.tank.validity is not None and not slosh.holds(self.tank.validity):
+            say(f"warning: {slosh.broken(self.tank.validity)} for this liquid in this tank, at rest already: no verdict")
         moving = self.tank.moving if self.tank else None
         components, lines = [self.structure, self.aero], WIRES.strip().splitlines()
         if moving is not None:

@@ -10,7 +10,7 @@ import difflib
 import tomllib
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
 from typing import Any
@@ -106,9 +106,13 @@ def written(text: str) -> Any:
         return text.strip()
 
 
-def dump(holder: Any, tables: Mapping[str, Any]) -> str:
-    """The tables as TOML, each key with its unit and description."""
-    return "".join(f"\n[{table}]\n{dump_table(getattr(holder, table))}" for table in tables)
+def dump(holder: Any, tables: Mapping[str, Any], given: Collection[str] | None = None) -> str:
+    """The tables as TOML, each key with its unit and description; keys that are not among those `given` are marked."""
+    text = ""
+    for table in tables:
+        names = None if given is None else {name.partition(".")[2] for name in given if name.startswith(f"{table}.")}
+        text += f"\n[{table}]\n{dump_table(getattr(holder, table), names)}"
+    return text
 
 
 def flat(holder: Any, tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -121,13 +125,14 @@ def flat(holder: Any, tables: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def dump_table(content: Any) -> str:
-    """The keys of one table as TOML."""
+def dump_table(content: Any, given: Collection[str] | None = None) -> str:
+    """The keys of one table as TOML; those not `given` (None: all are) are marked as defaults."""
     text = ""
     for f in dataclasses.fields(content):
         unit = f.metadata["unit"]
         note = f.metadata["doc"] if unit == "1" else f"{f.metadata['doc']} [{unit}]"
-        text += f"{f.name} = {toml_text.literal(getattr(content, f.name))}  # {note}\n"
+        mark = "" if given is None or f.name in given else "default: "
+        text += f"{f.name} = {toml_text.literal(getattr(content, f.name))}  # {mark}{note}\n"
     return text
 
 

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from master.case import Case
+if TYPE_CHECKING:
+    from master.case import Case
 
 GAMMA = 1.4
 GAS_CONSTANT = 287.05  # J/(kg K), dry air

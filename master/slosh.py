@@ -25,12 +25,23 @@ LABEL = {"none": "dry", "frozen": "frozen liquid", "ems": "linear slosh (EMS)", 
 LOADS = {"frozen": ("force_y_residual", "moment_residual"), "none": ("force_y", "moment")}  # split → outputs that are wired
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
 CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
+EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold
 CASE_ONLY = ("model", "predictor", "split")  # keys of the table [slosh] that are no parameters of an FMU
 
 
 def needed(models: Sequence[str]) -> tuple[str, ...]:
     """The FMUs that models of the liquid need beside structure and aero."""
     return tuple(FMU[model] for model in models if model in FMU)
+
+
+def holds(validity: float | None) -> bool:
+    """Whether a model with this validity holds; one that tells nothing (dry, frozen, two-phase flow) is taken to."""
+    return validity is None or validity <= EDGE
+
+
+def broken(validity: float) -> str:
+    """What a validity above the edge means, in words."""
+    return f"the slosh model does not hold (validity {validity:.3g}, edge {EDGE:g})"
 
 
 def wiring(split: str) -> list[str]:
@@ -69,6 +80,7 @@ class Tank:
     rest     (force up [N/m], moment nose-up [N]) of the wired loads at rest, to be trimmed out
     moving   the component to step, named "slosh"; None for the model "frozen"
     surrogate  the cheaper model that predicts it, named "slosh_predictor"; None without
+    validity   what the FMU tells of its validity at rest; None where it tells none
     Raises ComponentError when the FMU fails, AeroSloshError when it is none of a slosh model."""
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
@@ -88,6 +100,8 @@ class Tank:
             self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
             force, moment = LOADS[split]
             self.rest = (component.get(force), component.get(moment))
+            tells = settings.model != "frozen" and "validity" in component.output_index
+            self.validity = component.get("validity") if tells else None
         except BaseException:
             component.close()
             raise

@@ -9,12 +9,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import settings
+from master import case_checks, plausible, settings
 from master.case import Slosh
 from master.errors import AeroSloshError
 from master.settings import key, rule
 
 RESERVED = ("quadratic", "arx", "rbf_feedback", "ems", "bilinear")  # the other networks of a training, and the equations
+REQUIRED = ("slosh.tank_length", "slosh.tank_height", "slosh.fill_level", "slosh.liquid_density", "slosh.liquid_viscosity")
 IDLE = (
     "model",
     "predictor",
@@ -64,8 +65,12 @@ def load(path: Path, overrides: Sequence[str] = ()) -> TrainingCase:
     data, lines = settings.read(path, "training file", "cases/slosh_rbf.toml")
     case = TrainingCase(path.stem)
     settings.fill(case, TABLES, data, lines, path)
+    given = {f"{table}.{name}" for table, content in data.items() for name in content}
     for override in overrides:
         settings.override(case, TABLES, override)
+        given.add(override.partition("=")[0].strip())
+    case_checks.require(case, REQUIRED, given, str(path), "a training")
+    plausible.refuse_liquid(case, str(path))
     if case.name in RESERVED:
         raise AeroSloshError(
             f"A network cannot be called '{case.name}'", str(path), f"another file name than {', '.join(RESERVED)}"

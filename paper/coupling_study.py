@@ -32,7 +32,7 @@ from master.component import Component
 from master.coupling import GaussSeidel, Jacobi, Scheme
 from master.errors import ComponentError
 from master.implicit import Criteria, Implicit
-from master.poles import refine
+from master.poles import Poles, refine
 from master.system import System, wires
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -193,9 +193,10 @@ def measure(fmus: Path, setup: Setup, way: Way, steps: int) -> Row:
         waves = modes(setup.tank, MODES).omega / exact.imag
         guess += [[-DAMPING * w, w] for w in waves]
     tau = exact.imag * dt * np.arange(first, values.size, sample)
-    fit = refine(tau, values[None, first::sample], np.array(guess), np.zeros(0))
+    fit = refine(tau, values[None, first::sample], Poles(np.array(guess), np.zeros(0), constant=True))
     assert fit is not None, (way.name, setup, steps)
-    sigma, omega = fit.poles[np.argmin(np.abs(fit.poles[:, 1] - 1.0))]
+    poles = fit.poles.oscillations
+    sigma, omega = poles[np.argmin(np.abs(poles[:, 1] - 1.0))]
     at_rest = exact.real / exact.imag
     damping, theory = at_rest - sigma / omega, at_rest - expected.real / expected.imag
     return Row(way.name, setup.motion, setup.ratio, steps, damping, theory, omega - 1.0, passes)

@@ -10,6 +10,8 @@ from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_
 from ..kit.prediction import prediction
 from ..kit.slave import Slave
 from ..kit.variables import choice, output, parameter
+from ..tank import plausible
+from ..tank.friction import Friction, Seen
 from ..tank.frozen import constants, residual_load
 from ..tank.liquid import Tank
 from ..tank.modes import modes, stokes_damping, wave_frequencies
@@ -59,6 +61,7 @@ class SloshEms(Slave):
 
     def prepare(self) -> None:
         """Tank, modes and propagators from the parameters."""
+        plausible.check(self.__dict__)
         self.tank = Tank(
             self.tank_length, self.tank_height, self.tank_width, self.fill_level, self.tank_x, self.tank_y,
             self.liquid_density, self.gravity,
@@ -69,12 +72,14 @@ class SloshEms(Slave):
         waves = np.arange(1.0, WAVES + 1.0)
         omega = wave_frequencies(self.tank, waves)
         self.gate = Gate(self.tank, self.parametric, omega, self._damping(omega, waves))
+        self.friction = Friction(self.tank, self.liquid_viscosity, self.damping_ratio)
 
     def initialize(self) -> None:
         """Level surface at the initial tilt, liquid moving with the tank."""
         self.__dict__.update(constants(self.tank))
         self.motion = self._motion()
         self.w, self.beat, self.worst = self.slosh.start(self.motion), self.gate.start(), 0.0
+        self.layers = self.friction.start(self.motion)
         self._publish()
 
     def step(self, time: float, step_size: float) -> None:
@@ -83,17 +88,19 @@ class SloshEms(Slave):
         path = course(self.motion, end, step_size)
         self.w = self.slosh.advance(self.w, path, step_size)
         self.beat = self.gate.advance(self.beat, path, step_size)
+        self.layers = self.friction.advance(self.layers, path, end, step_size)
         self.motion = end
         self._publish()
 
     def save(self) -> dict[str, Any]:
-        """Amplitudes of modes and watched waves, motion, largest validity."""
-        return {"w": self.w, "beat": self.beat, "motion": list(self.motion), "worst": self.worst}
+        """Amplitudes of modes and watched waves, what friction was seen to do, motion, largest validity."""
+        kept = {"w": self.w, "beat": self.beat, "layers": list(self.layers)}
+        return kept | {"motion": list(self.motion), "worst": self.worst}
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take them back."""
         self.w, self.beat, self.worst = snapshot["w"], snapshot["beat"], snapshot["worst"]
-        self.motion = SectionMotion(*snapshot["motion"])
+        self.layers, self.motion = Seen(*snapshot["layers"]), SectionMotion(*snapshot["motion"])
 
     def _motion(self) -> SectionMotion:
         return SectionMotion(
@@ -114,6 +121,7 @@ class SloshEms(Slave):
         self.wave_height_east = self.slosh.wave_height(self.w, motion)
         self.wave_height_west = -self.wave_height_east
         self.wave_energy = self.slosh.energy(self.w, motion)
-        self.worst = max(self.worst, self.gate.measure(motion, self.wave_height_east))
+        moved = self.gate.measure(motion, self.wave_height_east)
+        self.worst = max(self.worst, moved, self.friction.number(self.layers))
         self.validity = self.worst
         self.parametric_resonance = float(np.abs(self.beat).max())

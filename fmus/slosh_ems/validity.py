@@ -4,7 +4,8 @@
 - D/D_edge, D = |g_n/g − 1| + (l/2) |alpha''|/g with the effective gravity g_n at the liquid's centre: how uneven gravity is along
   the surface. Linear slosh leaves its changes out: D_edge = 0.3. With them (parametric) it holds until gravity may vanish
   somewhere on the surface: D_edge = 1. Towards 1.5 surfaces break.
-- the wave height at a wall over 0.2 of the depth, or over the way to the roof where that is shorter.
+- the wave height at a wall over 0.2 of the depth, or over the way to the roof where that is shorter;
+- what friction does beyond damping waves, over a quarter of the load (fmus/tank/friction.py).
 It never falls: a surface once broken stays so.
 
 `parametric_resonance` is the largest |Y_j| of the waves j = 1 … WAVES (j half waves in the tank, of both symmetries), with

@@ -11,6 +11,8 @@ from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_
 from ..kit.prediction import prediction
 from ..kit.slave import Slave
 from ..kit.variables import output, parameter
+from ..tank import plausible
+from ..tank.friction import Friction
 from ..tank.frozen import Load, constants, residual_load
 from ..tank.liquid import Tank
 from ..tank.motion import SectionMotion
@@ -39,7 +41,7 @@ class SloshRbf(Slave):
         *surge_inputs(),
         *slosh_outputs(),
         output("extrapolation", "1", "Distance to the training data: 0 inside, 1 at their edge, above: outside", depends=INPUTS),
-        output("validity", "1", "Largest of unevenness/1.5, wave_growth/7, extrapolation since the start: above 1 it fails",
+        output("validity", "1", "Largest of unevenness/1.5, wave_growth/7, extrapolation, friction so far: above 1 it fails",
                depends=INPUTS),
         output("unevenness", "1", "Largest |g_n/g - 1| + (l/2)|alpha''|/g since the start: towards 1.5 surfaces break",
                depends=INPUTS),
@@ -55,6 +57,7 @@ class SloshRbf(Slave):
 
     def prepare(self) -> None:
         """Tank, network and waves from the parameters."""
+        plausible.check(self.__dict__)
         self.tank = Tank(
             self.tank_length, self.tank_height, self.tank_width, self.fill_level, self.tank_x, self.tank_y,
             self.liquid_density, self.gravity,
@@ -63,6 +66,8 @@ class SloshRbf(Slave):
             self.model = in_tank(self._network(), self.tank, self.liquid_viscosity, self.gas_density)
         except NetworkError as error:
             raise StepError(str(error)) from error
+        # trained on water in motions far above the first wave's frequency: what a viscous liquid does there is known beforehand
+        self.friction = Friction(self.tank, self.liquid_viscosity).far_above
 
     def initialize(self) -> None:
         """Level surface at the initial tilt, liquid moving with the tank."""
@@ -116,7 +121,7 @@ class SloshRbf(Slave):
         liquid = Load(whole.force_x, whole.force_y + weight, whole.moment - weight * self.tank.x)
         self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, motion)
         self.extrapolation, self.unevenness, self.wave_growth = answer.extrapolation, answer.uneven, answer.growth
-        self.worst = max(self.worst, answer.validity)
+        self.worst = max(self.worst, answer.validity, self.friction)
         self.validity = self.worst
         self.effective_gravity = self.model.effective_gravity(self.motion)
         self.wave_height_east = self.model.wave_height(self.state.w)

@@ -9,6 +9,7 @@ from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_
 from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import Variable, input_, output, parameter
+from ..tank import plausible
 from ..tank.frozen import Load, constants, residual_load
 from ..tank.liquid import Tank, TankError
 from ..tank.motion import SectionMotion
@@ -70,6 +71,7 @@ class SloshVof(Slave):
 
     def prepare(self) -> None:
         """Tank, grid and arrays from the parameters."""
+        plausible.check(self.__dict__)
         if not self.gas_density > 0.0:
             raise StepError(
                 "gas_density = 0 kg/m3, but the gas moves too. Remedy: above 0; 1e-4 of the liquid's is as good as none"

@@ -116,10 +116,20 @@ def stokes_damping(tank: Tank, omega: Array, viscosity: float, halves: Array | N
     viscosity: kinematic [m2/s]; halves: half waves in the tank's length, 1, 3, 5 … unless given. Derived from the boundary-layer
     dissipation of the potential mode: right where the layers are thin, damping ratios well below 1.
     """
-    q = 2 * np.arange(1, len(omega) + 1) - 1 if halves is None else halves
-    wave = q * np.pi / tank.length
+    wave = _wave_numbers(tank, omega, halves)
+    return layer_damping(tank, omega, viscosity, halves) + 2 * viscosity * wave**2 / omega
+
+
+def layer_damping(tank: Tank, omega: Array, viscosity: float, halves: Array | None = None) -> Array:
+    """The part of `stokes_damping` that is the wall layers'."""
+    wave = _wave_numbers(tank, omega, halves)
     twice = 2 * wave * tank.depth
     # sinh overflows for short waves, where both terms vanish
     sinh = np.sinh(np.minimum(twice, 300.0))
     layer = (1 - twice / sinh) / tank.length + wave / sinh
-    return np.sqrt(viscosity / (2 * omega)) * layer + 2 * viscosity * wave**2 / omega
+    return np.sqrt(viscosity / (2 * omega)) * layer
+
+
+def _wave_numbers(tank: Tank, omega: Array, halves: Array | None) -> Array:
+    q = 2 * np.arange(1, len(omega) + 1) - 1 if halves is None else halves
+    return np.asarray(q * np.pi / tank.length)

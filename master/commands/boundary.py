@@ -8,8 +8,7 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, flutter, outcome, slosh, vg
-from master import case as cases
+from master import boundary_case, flutter, outcome, slosh, trust, vg
 from master.boundary import BoundaryPoint
 from master.case import Case
 from master.commands import common
@@ -37,25 +36,24 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Every Mach number's neutral V_f."""
-    case = common.load_case(options)
-    if options.mach:
-        cases.apply_override(case, f"boundary.mach=[{', '.join(repr(m) for m in options.mach)}]")
-    if options.vf is not None:
-        cases.apply_override(case, f"flutter.V_f={options.vf!r}")
-    if options.method is not None:
-        cases.apply_override(case, f"boundary.method={options.method}")
-    if options.uncertainty:
-        cases.apply_override(case, "boundary.uncertainty=true")
+    changes = {
+        "boundary.mach": options.mach or None,
+        "flutter.V_f": options.vf,
+        "boundary.method": options.method,
+        "boundary.uncertainty": "true" if options.uncertainty else None,
+    }
+    case = common.load_case(options, "boundary", changes)
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
+        told = common.tell(options, [case], "boundary", folder.log)
         begin = clock.perf_counter(), clock.process_time()
         points, hashes = _solve(case, fmus, folder, progress)
         folder.keep()
         cost = {"wall_seconds": clock.perf_counter() - begin[0], "cpu_seconds": clock.process_time() - begin[1]}
         rows = [{"slosh": case.slosh.model} | outcome.point_data(p) for p in points]
-        data: dict[str, Any] = {"slosh": case.slosh.model, "points": rows, "cost": cost}
+        data: dict[str, Any] = {"slosh": case.slosh.model, "points": rows, "cost": cost} | told
         low, high = case.boundary.V_f_range
         if case.output.pictures:
             from master import boundary_plot, vg_plot
@@ -91,11 +89,13 @@ def _solve(
     def on_march(rig: FlutterRig, march: March) -> None:
         fit, s = march.fit, march.scales
         rate = f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}" if fit else march.reason
+        worst = trust.validity(march)
+        rate += "" if worst is None or slosh.holds(worst) else f", {slosh.broken(worst)}"
         common.say(f"  Mach {s.mach:g}, V_f {s.V_f:.4f}: {rate}, {march.cost.wall:.1f} s", folder, progress)
         common.log_messages(rig.system.components, folder)
 
     def on_point(found: BoundaryPoint) -> None:
-        common.say(f"Mach {found.mach:g}: {found.outcome}", folder, progress)
+        common.say(f"Mach {found.mach:g}: {outcome.point_data(found)['outcome']}", folder, progress)
         for march in found.marches:
             name = f"history_M{found.mach:g}_Vf{march.scales.V_f:.4f}.nc"
             write_history(folder.path / name, march, provenance(hashes))
@@ -118,4 +118,4 @@ def _exit_code(points: list[BoundaryPoint]) -> int:
             common.show(p.failure)
     if any(p.failure is not None and not p.converged for p in points):
         return ExitCode.COMPONENT
-    return ExitCode.OK if all(p.converged for p in points) else ExitCode.UNDETERMINED
+    return ExitCode.OK if all(trust.decided(p) for p in points) else ExitCode.UNDETERMINED

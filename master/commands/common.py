@@ -7,12 +7,12 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import checkpoint
+from master import case_checks, checkpoint, plausible
 from master.case import Case
 from master.checkpoint import Checkpoint, Keeper
 from master.component import Component
@@ -21,6 +21,7 @@ from master.progress import Progress
 from master.record import RunFolder
 
 EVERY = 500  # steps between two checkpoints
+DOUBTS = 5  # warnings shown of a sweep's points
 
 
 def show(error: AeroSloshError) -> None:
@@ -95,13 +96,28 @@ def default_fmus() -> Path:
     return Path(os.environ.get("AEROSLOSH_FMUS") or Path(__file__).resolve().parents[2] / "dist" / "fmus")
 
 
-def load_case(options: argparse.Namespace) -> Case:
-    """The case with what the command line changes in it."""
-    liquid = [f"slosh.model={options.slosh}"] if options.slosh is not None else []
-    case = cases.load(options.case, [*options.set, *liquid])
+def load_case(options: argparse.Namespace, command: str = "", changes: Mapping[str, Any] = {}) -> Case:
+    """The case with what the command line changes in it; `changes`: key → TOML value of the command's own options, None for
+    one not given; `command` as in `case.load`. Raises AeroSloshError."""
+    liquid = {"slosh.model": options.slosh}
+    own = [f"{name}={value}" for name, value in (liquid | dict(changes)).items() if value is not None]
+    case = cases.load(options.case, [*options.set, *own], command)
     if options.no_pictures:
         case.output.pictures = case.output.fields = False
     return case
+
+
+def tell(options: argparse.Namespace, asked: Sequence[Case], command: str, log: Callable[[str], None]) -> dict[str, Any]:
+    """Say what nobody gave in the cases `asked` (the points of a sweep, or one) and what is unusual in any of them: into the
+    log, and on standard error but with --json; as data."""
+    silent = case_checks.told(asked[0], command)
+    doubts = list(dict.fromkeys(doubt for case in asked for doubt in plausible.doubts(case)))
+    more = [f"warning: {len(doubts) - DOUBTS} more of the kind"] if len(doubts) > DOUBTS else []
+    for text in [*([silent] if silent else []), *(f"warning: {doubt}" for doubt in doubts[:DOUBTS]), *more]:
+        log(text)
+        if not options.json:
+            print(text, file=sys.stderr, flush=True)
+    return {"defaults": case_checks.defaults(asked[0], command), "warnings": doubts}
 
 
 def run_folder(options: argparse.Namespace, name: str) -> Path:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from master import drive
+from master import drive, slosh
 from master.component import Component
 from master.errors import AeroSloshError, ExitCode
 
@@ -63,8 +63,11 @@ def execute(options: argparse.Namespace) -> int:
         drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
         files.append(str(picture))
     steps = table.times.size - 1
+    worst = float(columns["validity"].max()) if "validity" in columns else None
     if options.json:
-        print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files}))
+        print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files, "validity": worst}))
     else:
         print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
+        if worst is not None and not slosh.holds(worst):
+            print(f"  note: {slosh.broken(worst)}")
     return ExitCode.OK

@@ -119,7 +119,8 @@ def _system(options: argparse.Namespace) -> int:
 def _from_case(options: argparse.Namespace) -> Coupled:
     given = {"slosh.model": options.slosh, "flow.mach": options.mach, "flutter.V_f": options.vf}
     overrides = [f"{key}={value}" for key, value in given.items() if value is not None]
-    case = cases.load(options.path, [*options.set, *overrides])
+    case = cases.load(options.path, [*options.set, *overrides], "point")
+    common.tell(options, [case], "point", lambda text: None)
     fmus = find_fmus(options.fmus, case.slosh.model)
     return ssp_system.from_case(case, fmus, options.prediction, Progress(options.json).say)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from master import case as cases
-from master import checkpoint, flutter, fmu_cache, outcome, pvd, slosh
+from master import checkpoint, flutter, fmu_cache, outcome, pvd, slosh, trust
 from master.case import Case
 from master.commands import common
 from master.errors import ExitCode
@@ -33,11 +33,7 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """One march."""
-    case = common.load_case(options)
-    if options.mach is not None:
-        cases.apply_override(case, f"flow.mach={options.mach!r}")
-    if options.vf is not None:
-        cases.apply_override(case, f"flutter.V_f={options.vf!r}")
+    case = common.load_case(options, "point", {"flow.mach": options.mach, "flutter.V_f": options.vf})
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     files, settings = _files(case, fmus), cases.flat(case)
@@ -48,6 +44,7 @@ def execute(options: argparse.Namespace) -> int:
         checkpoint.check_files({name: path for name, path in files.items() if (name, case.slosh.model) != ("slosh", "frozen")})
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
+        told = common.tell(options, [case], "point", folder.log)
         mach, V_f = case.flow.mach, case.flutter.V_f
         fields = None
         if start is not None and case.output.fields and not start.about["case"]["output.fields"]:
@@ -62,7 +59,7 @@ def execute(options: argparse.Namespace) -> int:
             common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
             march = flutter.march(rig, V_f, fields, progress.watch, keeper, start)
-            data = outcome.march_data(march, rig.steady_cpu)
+            data = outcome.march_data(march, rig.steady_cpu) | told
             common.log_messages(rig.system.components, folder)
         folder.keep()  # a failed march's history is worth keeping
         folder.log(outcome.march_summary(data))
@@ -76,7 +73,7 @@ def execute(options: argparse.Namespace) -> int:
             folder.log(f"{march.failure}\n{march.failure.traceback}")
             common.show(march.failure)
             return ExitCode.COMPONENT
-        return ExitCode.UNDETERMINED if march.verdict is Verdict.UNDETERMINED else ExitCode.OK
+        return ExitCode.UNDETERMINED if trust.verdict(march) is Verdict.UNDETERMINED else ExitCode.OK
 
 
 def _files(case: Case, fmus: dict[str, Path]) -> dict[str, Path]:

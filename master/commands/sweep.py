@@ -87,6 +87,8 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             say(f"point {product.record.id} failed: {product.record.cause}")
 
     begin = clock.perf_counter()
+    case.given |= set(wanted.names)  # case.toml marks as defaults what is neither given nor swept
+    told = common.tell(options, [p.case for p in wanted.points], wanted.kind, lambda text: sweep.log(folder, text))
     store = Store.open(folder, say)
     pool: Pool | None = None
     try:
@@ -101,7 +103,7 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             say(f"{len(left)} of {len(wanted.points)} points to compute on {pool.name}")
             _forecast(pool, left, progress)
             sweep.run(wanted, store, pool, " ".join(sys.argv), progress.show, on_product)
-        return report.conclude(options, wanted, store, clock.perf_counter() - begin)
+        return report.conclude(options, wanted, store, clock.perf_counter() - begin, told)
     except KeyboardInterrupt:
         kept = len(wanted.points) - len(store.left(wanted))
         said = f"interrupted; {kept} of {len(wanted.points)} points are finished and kept, --resume goes on"

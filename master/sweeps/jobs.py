@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, flutter, fmu_cache, outcome
+from master import boundary_case, flutter, fmu_cache, outcome, trust
 from master.case import Case
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import March
@@ -213,7 +213,7 @@ def _point(job: Job, bench: Bench) -> Computed:
     result = outcome.march_data(march, rig.steady_cpu)
     failure = march.failure
     cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
-    return Computed(result, march.verdict is not Verdict.UNDETERMINED, [march], cause, trace)
+    return Computed(result, trust.verdict(march) is not Verdict.UNDETERMINED, [march], cause, trace)
 
 
 def _boundary(job: Job, bench: Bench) -> Computed:
@@ -224,7 +224,7 @@ def _boundary(job: Job, bench: Bench) -> Computed:
     failures = [p.failure for p in points if p.failure is not None and not p.converged]
     cause = "; ".join(dict.fromkeys(f.what for f in failures))
     trace = "\n".join(f"{f}\n{f.traceback}" for f in failures)
-    return Computed(result, all(p.converged for p in points), [m for p in points for m in p.marches], cause, trace)
+    return Computed(result, all(trust.decided(p) for p in points), [m for p in points for m in p.marches], cause, trace)
 
 
 KINDS: dict[str, Callable[[Job, Bench], Computed]] = {"point": _point, "boundary": _boundary}

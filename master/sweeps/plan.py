@@ -76,7 +76,7 @@ def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: s
     for n, values in enumerate(combinations, start=1):
         overrides = dict(zip(names, values, strict=True))
         text = ", ".join(f"{name} = {toml_text.literal(value)}" for name, value in overrides.items())
-        own = cases.changed(bare, _keys(kind, overrides, where), f"{where}, point {n} of the sweep ({text})")
+        own = cases.changed(bare, _keys(kind, overrides, where), f"{where}, point {n} of the sweep ({text})", kind)
         files = _files(own, fmu_folder, digests)
         label = _identity(kind, own, files)
         points.setdefault(label, Point(label, len(points), overrides, own, files))

@@ -63,6 +63,7 @@ def _map(axis: Axes, known: Sequence[dict[str, Any]], names: Sequence[str], valu
     if signed and min(z.shape) > 1 and np.isfinite(z).all() and z.min() < 0.0 < z.max():
         axis.contour(x, y, z, levels=[0.0], colors="black", linewidths=1.2)
     axis.plot([line[names[0]] for line in known], [line[names[1]] for line in known], ".", color="black", ms=2, alpha=0.4)
+    _cross(axis, [(line[names[0]], line[names[1]]) for line in known if line.get("slosh_holds") is False])
     axis.set_xlabel(names[0])
     axis.set_ylabel(names[1])
     axis.grid(False)
@@ -91,12 +92,21 @@ def _panel(
             axis.plot(xs[mine], ys[mine], "o", ms=4, color=COLORS.get(verdict, GREY))
         if single and text:
             axis.legend(fontsize=7)
+    doubtful = [line for line in known if line.get("slosh_holds") is False]
+    _cross(axis, [(places[str(line[name])] if words else float(line[name]), line[value]) for line in doubtful])
     if words:
         axis.set_xticks(list(places.values()), list(places))
     if value == "growth_rate":
         axis.axhline(0.0, color=GREY, lw=0.8)
     axis.set_xlabel(name)
     axis.set_ylabel(label)
+
+
+def _cross(axis: Axes, doubtful: Sequence[tuple[float, float]]) -> None:
+    """Mark the points that rest on a slosh model which does not hold: they have no verdict."""
+    if doubtful:
+        axis.plot(*zip(*doubtful, strict=True), "x", color="black", ms=8, mew=1.5, zorder=4)
+        axis.set_title("crossed: the slosh model does not hold, no verdict", fontsize=9)
 
 
 def _is_number(value: Any) -> bool:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import json
+import math
 import os
 from typing import Any
 
+from master import slosh
 from master.errors import ExitCode
 from master.sweeps import results as sweep_results
 from master.sweeps.plan import Plan
@@ -17,8 +19,9 @@ from master.sweeps.sweep import Store
 SHOWN = 5  # causes of failures in the summary
 
 
-def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float) -> int:
-    """Write sweep.csv and sweep.png, print the summary; `wall` seconds were spent. Raises AeroSloshError on a full disk."""
+def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float, told: dict[str, Any]) -> int:
+    """Write sweep.csv and sweep.png, print the summary; `wall` seconds were spent, `told` of the case (`common.tell`) goes into
+    the JSON. Raises AeroSloshError on a full disk."""
     rows = store.ledger.rows()
     table = sweep_results.flat(rows, plan.kind, plan.names)
     files = ["sweep.csv"]
@@ -32,15 +35,17 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float)
             files.append("sweep.png")
     failed = [row for row in rows if row.status == "failed"]
     undetermined = [row for row in rows if row.status == "done" and not row.determined]
+    broken = [line for line in table if line["slosh_holds"] is False]
     data: dict[str, Any] = {
         "points": len(rows),
         "done": len(rows) - len(failed),
         "failed": len(failed),
         "undetermined": len(undetermined),
+        "slosh_does_not_hold": len({line["id"] for line in broken}),
         "wall_seconds": wall,
         "cpu_seconds": sum(row.cpu_seconds for row in rows),
         "folder": str(store.folder),
-    }
+    } | told
     if options.json:
         print(json.dumps(data | {"rows": [dataclasses.asdict(row) for row in rows]}, allow_nan=False))
     else:
@@ -50,6 +55,12 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float)
             print(f"  failed: {said}: {row.cause}")
         if len(failed) > SHOWN:
             print(f"  … {len(failed) - SHOWN} more in sweep.csv")
+        if broken:
+            worst = max((line["slosh_validity"] or math.inf for line in broken), default=math.inf)
+            print(
+                f"  {data['slosh_does_not_hold']} points: {slosh.broken(worst)} (column slosh_validity, crosses in the picture)\n"
+                '  remedy       smaller motions (flutter.forced_amplitude_deg) or slosh.model = "vof"'
+            )
         print(f"  cost         {duration(wall)} wall, {duration(data['cpu_seconds'])} CPU of all points")
         print(f"  sweep folder {os.path.relpath(store.folder)} ({', '.join(files)})")
     if failed:

@@ -11,9 +11,11 @@ from master.sweeps.ledger import Row
 
 POINT = (
     "mach", "V_f", "slosh", "verdict", "growth_rate", "growth_rate_uncertainty", "frequency", "frequency_uncertainty",
-    "damping_ratio", "limit_cycle_amplitude_deg", "slosh_validity", "steps",
+    "damping_ratio", "limit_cycle_amplitude_deg", "slosh_validity", "slosh_holds", "motion_verdict", "steps",
 )  # fmt: skip
-BOUNDARY = ("mach", "V_f", "V_f_uncertainty", "frequency", "slosh", "verdict", "outcome", "converged")
+BOUNDARY = (
+    "mach", "V_f", "V_f_uncertainty", "frequency", "slosh", "verdict", "outcome", "converged", "slosh_validity", "slosh_holds",
+)  # fmt: skip
 RESULTS = {"point": POINT, "boundary": BOUNDARY}
 ABOUT = ("cause", "attempts", "cpu_seconds", "wall_seconds", "file")
 

@@ -313,9 +313,11 @@ def test_a_flutter_march_goes_on_to_the_bit(point: Call, tmp_path: Path, changes
 def test_a_longer_march(point: Call, tmp_path: Path) -> None:
     """More free cycles from the checkpoint of a march that ended: the long march, to the bit."""
     file, words = str(tmp_path / "march.npz"), list(BARE)
-    assert point("whole", *words, *sets("flutter.free_cycles=4")) == ExitCode.OK
+    assert (
+        point("whole", *words, *sets("flutter.free_cycles=4")) == ExitCode.UNDETERMINED
+    )  # linear slosh does not hold at 1 degree
     point("short", *words, *sets("flutter.free_cycles=2"), "--checkpoint", file, "--every", "72")
-    assert point("again", *words, *sets("flutter.free_cycles=4"), "--restart", file) == ExitCode.OK
+    assert point("again", *words, *sets("flutter.free_cycles=4"), "--restart", file) == ExitCode.UNDETERMINED
     assert_same(tmp_path / "whole", tmp_path / "again")
     with pytest.raises(AeroSloshError, match="checkpoint stands at step"):
         point("shorter", *words, *sets("flutter.free_cycles=1.5", "flutter.forced_cycles=2"), "--restart", file)

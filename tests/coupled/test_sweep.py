@@ -142,7 +142,8 @@ def real_fmus(fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFacto
     return folder
 
 
-REAL = (*SMALL, "--grid", "slosh.fill_level=0.3,0.6", "--grid", "flutter.V_f=0.6,0.7,0.8")
+GENTLE = ("--set", "flutter.forced_amplitude_deg=0.01")  # linear slosh holds
+REAL = (*SMALL, *GENTLE, "--grid", "slosh.fill_level=0.3,0.6", "--grid", "flutter.V_f=0.6,0.7,0.8")
 
 
 @pytest.fixture(scope="module")
@@ -161,10 +162,11 @@ def test_a_sweep_computes_what_point_computes_to_the_last_bit(local: Path, real_
     label = list(ledger(local))[-1]
     words = ["--vf", "0.8", "--set", "slosh.fill_level=0.6", "--fmus", str(real_fmus), "--out", str(tmp_path / "run"), "--json"]
     done = subprocess.run(
-        [*COMMAND, "point", str(CASES / "paper_s.toml"), *SMALL, *words], capture_output=True, text=True, check=True
+        [*COMMAND, "point", str(CASES / "paper_s.toml"), *SMALL, *GENTLE, *words], capture_output=True, text=True, check=True
     )
     result, histories = numbers(local)[label]
-    assert without_cost(json.loads(done.stdout)) == result
+    alone = {key: value for key, value in json.loads(done.stdout).items() if key not in ("defaults", "warnings")}
+    assert without_cost(alone) == result
     with netcdf_file(str(tmp_path / "run" / "history.nc"), "r", mmap=False) as file:
         assert {name: np.array(v[:]).tobytes() for name, v in file.variables.items()} == histories
 

@@ -55,7 +55,7 @@ def divergence(case: Case) -> float:
 
 
 def crossings(case: Case, mach: float, low: float, high: float) -> list[tuple[float, float, str]]:
-    """Every neutral V_f: (V_f, frequency, onset or recovery), frequency 0 for divergence; by the number of unstable oscillations."""
+    """Every neutral V_f: (V_f, frequency or 0 for divergence, onset or recovery), by the number of unstable oscillations."""
     grid = np.geomspace(low, high, 600)
 
     def unstable(v: float) -> int:

@@ -54,7 +54,8 @@ def test_at_rest_the_whole_load_is_the_weight() -> None:
     assert (tank.static_force_y, tank.static_moment) == (tank.force_y, tank.moment)
     assert tank.moment == pytest.approx(75.0 * 9.81 * 0.3)
     assert (tank.force_x_residual, tank.force_y_residual, tank.moment_residual) == pytest.approx((0.0, 0.0, 0.0))
-    assert (tank.validity, tank.parametric_resonance, tank.effective_gravity) == (0.0, 0.0, 9.81)
+    assert (tank.parametric_resonance, tank.effective_gravity) == (0.0, 9.81)
+    assert tank.validity == tank.friction.thick < 0.02  # water: the first wave's damping ratio of 0.002 over 0.15
     assert (tank.liquid_mass, tank.liquid_static_moment) == pytest.approx((75.0, 22.5))
     assert all(math.isfinite(getattr(tank, name)) for name in (*SLOSH, *SLOSH_CONSTANT))
 

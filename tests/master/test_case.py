@@ -69,7 +69,7 @@ def test_resolved_case_reads_back_the_same(tmp_path: Path) -> None:
         ("[slosh]\nfill_level = 1.5\n", ["line 2", "slosh.fill_level", "above 0 to 1"]),
         ('[slosh]\nparametric = "yes"\n', ["line 2", "slosh.parametric", '"auto"']),
         ('[coupling]\nscheme = "gauss"\n', ["line 2", "available: gauss-seidel, implicit, jacobi"]),
-        ("[section]\nr2_alpha = 3.0\n", ["r2_alpha", "x_alpha^2", "not positive"]),
+        ("[section]\nx_alpha = 1.8\nr2_alpha = 3.0\n", ["r2_alpha", "x_alpha^2", "not positive"]),
         ("[flutter]\nforced_cycles = 0.0\n", ["Nothing disturbs"]),
         ("[flutter]\ninitial_alpha_dot = 0.01\n", ["initial_alpha_dot", "forced_cycles"]),
         ("[flow\nmach = 0.8\n", ["not valid TOML", "line 1"]),

@@ -13,7 +13,14 @@ from master.errors import AeroSloshError, ExitCode
 from master.sweeps import parameters, plan
 from master.sweeps.plan import Plan
 
-HEAD = "[flow]\nmach = 0.5\n[flutter]\nV_f = 0.6\n"
+HEAD = """\
+section = { chord = 1, elastic_axis = -0.5, x_alpha = 1.8, r2_alpha = 3.48, frequency_ratio = 1, mass_ratio = 60 }
+flow = { mach = 0.5, airfoil = "NACA 64A010" }
+[flutter]
+V_f = 0.6
+"""
+TANK = "[slosh]\ntank_length = 0.5\ntank_height = 0.15\nfill_level = 0.5\ntank_x = 0\ntank_y = 0\nliquid_density = 800\n"
+TANK += "liquid_viscosity = 2e-6\n"
 
 
 @pytest.fixture
@@ -65,7 +72,7 @@ def test_a_list_takes_values_together(tmp_path: Path, fmus: Path) -> None:
 
 def test_a_latin_hypercube_has_one_value_in_each_slice_and_is_repeatable(tmp_path: Path, fmus: Path) -> None:
     text = (
-        '[sweep]\nmode = "latin-hypercube"\nsamples = 16\nseed = 7\n[slosh]\nmodel = "ems"\n[sweep.parameters]\n'
+        f'[sweep]\nmode = "latin-hypercube"\nsamples = 16\nseed = 7\n{TANK}model = "ems"\n[sweep.parameters]\n'
         '"flutter.V_f" = { from = 0.1, to = 10, spacing = "log" }\n'
         '"slosh.modes" = { from = 1, to = 400 }\n"slosh.split" = ["frozen", "none"]\n'
     )
@@ -131,7 +138,7 @@ def test_flow_mach_sweeps_the_mach_number_of_a_boundary(tmp_path: Path, fmus: Pa
         ('[sweep.parameters]\n"boundary.tolerance" = [0.1]\n', ["changes nothing", "boundary"]),
         ('[sweep.parameters]\n"output.pictures" = [true]\n', ["changes nothing"]),
         ('[sweep.parameters]\n"section.x_alpha" = [1.0, 2.0]\n', ["point 2", "section.x_alpha = 2.0", "not positive"]),
-        ('[sweep.parameters]\n"slosh.model" = ["ems", "vof"]\n', ["slosh_vof.fmu", "make fmus"]),
+        (f'{TANK}[sweep.parameters]\n"slosh.model" = ["ems", "vof"]\n', ["slosh_vof.fmu", "make fmus"]),
         ('[sweep]\nmode = "list"\n[sweep.parameters]\n"flow.mach" = [0.4]\n"flutter.V_f" = [0.4, 0.5]\n', ["as many values"]),
         ('[sweep]\nmode = "grit"\n', ["line 6", "available: grid, list, latin-hypercube"]),
         (
