@@ -20,6 +20,7 @@ FEWEST = 0.5  # periods within the window that an oscillation needs: slower ones
 APART = 0.1  # least distance of two real poles [1/span]
 LATE = 2.0 / 3.0  # of the window: from there on shares are looked at once more, growth shows late
 LEAST_LATE = 0.01  # a last third smaller than this share of the whole has no shares of its own
+EXPONENTS = -80.0, 50.0  # of the columns: smaller ones would become denormal numbers, which are slow
 FLOOR = 1e-26  # least variance of a residual: double precision, squared
 
 
@@ -57,9 +58,9 @@ class Poles:
         with np.errstate(over="ignore", under="ignore"):
             columns = []
             for sigma, omega in self.oscillations:
-                e = np.exp(np.clip(sigma * (t - reference(t, sigma)), -700.0, 50.0))
+                e = np.exp(np.clip(sigma * (t - reference(t, sigma)), *EXPONENTS))
                 columns += [e * np.cos(omega * t), e * np.sin(omega * t)]
-            columns += [np.exp(np.clip(rate * (t - reference(t, rate)), -700.0, 50.0)) for rate in self.reals]
+            columns += [np.exp(np.clip(rate * (t - reference(t, rate)), *EXPONENTS)) for rate in self.reals]
             if self.constant:
                 columns.append(np.ones_like(t))
         return np.column_stack(columns)
