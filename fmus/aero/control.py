@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +18,16 @@ class StepReport(NamedTuple):
     residual: float
     converged: bool
     retries: int
+
+    def after(self, earlier: StepReport) -> StepReport:
+        """Both steps as one: all subiterations and retries, the residual of the one furthest from its tolerance."""
+        worst = min((earlier, self), key=lambda r: (r.converged, -r.residual if math.isfinite(r.residual) else -math.inf))
+        return StepReport(
+            earlier.subiterations + self.subiterations,
+            worst.residual,
+            earlier.converged and self.converged,
+            earlier.retries + self.retries,
+        )
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,8 @@ class Aero(Slave):
         dt = stream.scaled_time(step_size / parts)
         for part in range(1, parts + 1):
             motion = end if part == parts else between(start, end, step_size, part / parts)
-            report = self.flow.step(stream.scaled_motion(motion), self.mean_alpha + motion.alpha, dt)
+            made = self.flow.step(stream.scaled_motion(motion), self.mean_alpha + motion.alpha, dt)
+            report = made if part == 1 else made.after(report)
         self.motion = end
         self.steps += 1
         self._publish(report)
