@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from enum import IntEnum
 
 
@@ -10,12 +11,14 @@ class ExitCode(IntEnum):
 
     OK             the run ended and its verdict stands
     DIFFERENT      `compare`: the runs differ
-    INPUT          a bad case, override, command line, missing FMU or output folder; nothing was computed
+    INPUT          a bad case, override, command line, missing FMU or output folder: nothing was computed; or a result that cannot
+                   be printed: standard output is closed or full
     COMPONENT      an FMU failed (its message and traceback were shown); the history so far is kept
     UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short, too noisy)
-    INCOMPLETE     a sweep ended before all its points (full disk, cluster gone): what is finished is kept, --resume goes on
+    INCOMPLETE     not everything could be written or computed (full disk, cluster gone): what is finished is kept
     INTERNAL       a fault of ours, with a traceback
-    INTERRUPTED    stopped by Ctrl-C
+    INTERRUPTED    stopped by Ctrl-C: what is finished of a boundary or sweep is kept
+    TERMINATED     the same, asked for by another program (SIGTERM) or a terminal that closes
     """
 
     OK = 0
@@ -26,6 +29,7 @@ class ExitCode(IntEnum):
     INCOMPLETE = 5
     INTERNAL = 70
     INTERRUPTED = 130
+    TERMINATED = 143
 
 
 class AeroSloshError(Exception):
@@ -50,3 +54,12 @@ class ComponentError(AeroSloshError):
     def __init__(self, what: str, where: str, remedy: str, component: str, time: float, traceback: str) -> None:
         self.component, self.time, self.traceback = component, time, traceback
         super().__init__(what, where, remedy, ExitCode.COMPONENT)
+
+
+def show(error: AeroSloshError) -> None:
+    """An error on standard error; a component's with its own traceback."""
+    print(f"aeroslosh: {error}", file=sys.stderr)
+    if isinstance(error, ComponentError) and error.traceback:
+        print(f"  {error.component} says:", file=sys.stderr)
+        for line in error.traceback.strip().splitlines():
+            print(f"    | {line}", file=sys.stderr)

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import netcdf_file
 
 from master import scheme as schemes
 from master.assembly import Assembly
 from master.checkpoint import Checkpoint, Keeper
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import Watcher
-from master.record import put_attributes
+from master.record import put_attributes, written
 from master.scheme import Statistics
 from master.system import System
 
@@ -158,7 +157,7 @@ def data(simulation: Simulation) -> dict[str, Any]:
 
 def write_history(path: Path, simulation: Simulation, about: dict[str, Any]) -> None:
     """netCDF-3: `time`, every output by its full name, `passes`; the provenance `about` as global attributes."""
-    with netcdf_file(str(path), "w") as file:
+    with written(path) as file:
         file.createDimension("time", simulation.time.size)
         columns = {"time": (simulation.time, "s"), "passes": (simulation.passes, "1")}
         columns |= {name: (column, simulation.units[name]) for name, column in simulation.outputs.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,15 +20,16 @@ class StepReport(NamedTuple):
     converged: bool
     retries: int
 
-    def after(self, earlier: StepReport) -> StepReport:
-        """Both steps as one: all subiterations and retries, the residual of the one furthest from its tolerance."""
-        worst = min((earlier, self), key=lambda r: (r.converged, -r.residual if math.isfinite(r.residual) else -math.inf))
-        return StepReport(
-            earlier.subiterations + self.subiterations,
-            worst.residual,
-            earlier.converged and self.converged,
-            earlier.retries + self.retries,
-        )
+
+def together(reports: Sequence[StepReport]) -> StepReport:
+    """Steps made one after the other as one: what all took, and the residual of the worst of them."""
+    worst = min(reports, key=lambda r: (r.converged, -r.residual if math.isfinite(r.residual) else -math.inf))
+    return StepReport(
+        sum(r.subiterations for r in reports),
+        worst.residual,
+        all(r.converged for r in reports),
+        sum(r.retries for r in reports),
+    )
 
 
 @dataclass(frozen=True)
