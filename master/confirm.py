@@ -101,7 +101,7 @@ class Confirm:
         samples: list[Sample] = []
         found: list[Crossing] = []
         predictions: list[Prediction] = []
-        failure: ComponentError | None = None
+        failure: AeroSloshError | None = None
         for c in expected:
             low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import traceback
 from enum import IntEnum
 
 
@@ -37,6 +38,7 @@ class AeroSloshError(Exception):
 
     def __init__(self, what: str, where: str = "", remedy: str = "", code: ExitCode = ExitCode.INPUT) -> None:
         self.what, self.where, self.remedy, self.code = what, where, remedy, code
+        self.traceback = ""
         super().__init__(str(self))
 
     def __str__(self) -> str:
@@ -51,15 +53,24 @@ class AeroSloshError(Exception):
 class ComponentError(AeroSloshError):
     """An FMU failed. `component` is its name, `time` [s] the start of the step, `traceback` what its log said."""
 
-    def __init__(self, what: str, where: str, remedy: str, component: str, time: float, traceback: str) -> None:
-        self.component, self.time, self.traceback = component, time, traceback
+    def __init__(self, what: str, where: str, remedy: str, component: str, time: float, trace: str) -> None:
         super().__init__(what, where, remedy, ExitCode.COMPONENT)
+        self.component, self.time, self.traceback = component, time, trace
+
+
+class InternalError(AeroSloshError):
+    """A fault of ours at one of several tasks, made from the exception at hand: the others go on."""
+
+    def __init__(self, error: Exception, where: str) -> None:
+        what = f"internal error: {type(error).__name__}: {error}"
+        super().__init__(what, where, "please report it with the case file", ExitCode.INTERNAL)
+        self.traceback = "".join(traceback.format_exception(error))
 
 
 def show(error: AeroSloshError) -> None:
     """An error on standard error; a component's with its own traceback."""
     print(f"aeroslosh: {error}", file=sys.stderr)
-    if isinstance(error, ComponentError) and error.traceback:
-        print(f"  {error.component} says:", file=sys.stderr)
+    if error.traceback:
+        print(f"  {error.component if isinstance(error, ComponentError) else 'Python'} says:", file=sys.stderr)
         for line in error.traceback.strip().splitlines():
             print(f"    | {line}", file=sys.stderr)
