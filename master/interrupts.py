@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
@@ -26,6 +28,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 pending: Interrupted | None = None  # asked for, and perhaps swallowed by an FMU
+_first, _held = True, 0
 
 
 def install() -> None:
@@ -46,17 +49,29 @@ def check() -> None:
         raise found
 
 
+@contextmanager
+def held() -> Iterator[None]:
+    """Let no interrupt strike in this block, which keeps something: it strikes at its end."""
+    global _held
+    _held += 1
+    try:
+        yield
+    finally:
+        _held -= 1
+    if not _held:
+        check()
+
+
 def _asked(number: int, _frame: FrameType | None) -> None:
     global pending, _first
     code = CODES[signal.Signals(number).name]
     if _first:
         _first = False
         pending = Interrupted(code)
+        if _held:
+            return
         raise pending
     left = [str(path) for path in sorted(UNFINISHED) if path.exists()]
     said = f"left there unfinished: {', '.join(left)}" if left else "nothing unfinished is left"
     os.write(2, f"\naeroslosh: interrupted again, ended at once; {said}\n".encode(errors="backslashreplace"))
     os._exit(code)
-
-
-_first = True

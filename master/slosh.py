@@ -73,27 +73,31 @@ class Tank:
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
         path = fmus[FMU[settings.model]]
-        component = Component(path, "slosh")
-        try:
-            missing = [name for name in (*CARRIED, *LOADS["none"], *LOADS["frozen"]) if name not in component.output_index]
-            if missing:
-                raise AeroSloshError(
-                    f"{path.name} has no Real output {', '.join(missing)}", str(path), "give an FMU of a slosh model"
-                )
-            self._parameters = parameters(settings, component.variables)
-            component.set_all(self._parameters)
-            component.initialize()
-            self.liquid = Liquid(*(component.get(name) for name in CARRIED))
-            split = "frozen" if settings.model == "frozen" else settings.split
-            self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
-            force, moment = LOADS[split]
-            self.rest = (component.get(force), component.get(moment))
-        except BaseException:
-            component.close()
-            raise
-        self.sha256 = component.sha256
-        self.moving: Component | None = component
+        self.moving: Component | None = None
         self.surrogate: Component | None = None
+        try:
+            self._open(settings, fmus, path)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, settings: cases.Slosh, fmus: dict[str, Path], path: Path) -> None:
+        """The instances, and what the liquid says of itself at rest."""
+        component = self.moving = Component(path, "slosh")
+        missing = [name for name in (*CARRIED, *LOADS["none"], *LOADS["frozen"]) if name not in component.output_index]
+        if missing:
+            raise AeroSloshError(
+                f"{path.name} has no Real output {', '.join(missing)}", str(path), "give an FMU of a slosh model"
+            )
+        self._parameters = parameters(settings, component.variables)
+        component.set_all(self._parameters)
+        component.initialize()
+        self.liquid = Liquid(*(component.get(name) for name in CARRIED))
+        split = "frozen" if settings.model == "frozen" else settings.split
+        self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
+        force, moment = LOADS[split]
+        self.rest = (component.get(force), component.get(moment))
+        self.sha256 = component.sha256
         if settings.predictor != "none" and settings.model != "frozen":
             self.surrogate = Component(fmus[FMU[settings.predictor]], "slosh_predictor")
             self._surrogate_parameters = parameters(settings, self.surrogate.variables)
@@ -101,6 +105,12 @@ class Tank:
         if settings.model == "frozen":  # its constants are all there is to it: the load at rest is the weight, held by the trim
             component.close()
             self.moving, self.rest = None, (0.0, 0.0)
+
+    def close(self) -> None:
+        """Free the instances."""
+        for component in (self.moving, self.surrogate):
+            if component is not None:
+                component.close()
 
     def restart(self) -> None:
         """A liquid at rest, to be initialised with the section."""

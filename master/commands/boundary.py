@@ -8,7 +8,7 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, disk, flutter, outcome, slosh
+from master import boundary_case, disk, flutter, interrupts, outcome, slosh
 from master import case as cases
 from master.boundary import BoundaryPoint
 from master.case import Case
@@ -99,6 +99,10 @@ class Kept:
 
     def add(self, point: BoundaryPoint) -> None:
         """A Mach number is done, or interrupted with some marches. Raises OSError; what was kept before stays."""
+        with interrupts.held():
+            self._add(point)
+
+    def _add(self, point: BoundaryPoint) -> None:
         self._finished += not point.interrupted
         self._rows.append({"slosh": self.case.slosh.model} | outcome.point_data(point))
         about = provenance(self.hashes)

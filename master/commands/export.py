@@ -120,7 +120,7 @@ def _from_case(options: argparse.Namespace) -> Coupled:
     given = {"slosh.model": options.slosh, "flow.mach": options.mach, "flutter.V_f": options.vf}
     overrides = [f"{key}={value}" for key, value in given.items() if value is not None]
     case = cases.load(options.path, [*options.set, *overrides])
-    fmus = find_fmus(options.fmus, case.slosh.model)
+    fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     return ssp_system.from_case(case, fmus, options.prediction, Progress(options.json).say)
 
 
