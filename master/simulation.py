@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -120,7 +121,7 @@ def simulate(
 def _check_restart(checkpoint: Checkpoint, assembly: Assembly) -> None:
     """The end may have moved, but not to before the checkpoint, nor so that steps would be of another size."""
     done, then = checkpoint.about["done"], checkpoint.about["dt"]
-    if assembly.dt != then:
+    if not math.isclose(assembly.dt, then, rel_tol=1e-12):  # another step, not another rounding of it
         raise AeroSloshError(
             f"Up to run.end = {assembly.run.end!r} the step would be {assembly.dt!r} s, the checkpoint's is {then!r} s",
             str(checkpoint.path),
