@@ -21,6 +21,7 @@ from scipy.linalg import expm
 
 Array = NDArray[np.float64]
 CACHED_STEPS = 256
+SINGULAR = 1e-9  # a mass matrix whose determinant is below this share of its products is taken for singular
 
 
 class SectionError(ValueError):
