@@ -7,6 +7,8 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from master import interrupts
+
 
 def write(path: Path, data: bytes) -> None:
     """Write to a hidden name beside `path`, onto the disk, then rename. Raises OSError; then nothing new lies there."""
@@ -23,6 +25,7 @@ def part(path: Path, ending: str = "") -> Iterator[Path]:
 
     `ending`: for writers that go by it."""
     hidden = path.with_name(f".{path.name}.part-{os.getpid()}{ending}")
+    interrupts.UNFINISHED.add(hidden)
     try:
         yield hidden
         os.replace(hidden, path)
@@ -30,6 +33,8 @@ def part(path: Path, ending: str = "") -> Iterator[Path]:
         with contextlib.suppress(OSError):
             hidden.unlink(missing_ok=True)
         raise
+    finally:
+        interrupts.UNFINISHED.discard(hidden)
 
 
 def sync_folder(folder: Path) -> None:

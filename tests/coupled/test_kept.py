@@ -153,7 +153,6 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, Exception], Non
     [
         (ZeroDivisionError("float division by zero"), ExitCode.INTERNAL),
         (AeroSloshError("The steady flow did not converge"), ExitCode.INPUT),
-        (AeroSloshError("too few", code=ExitCode.UNDETERMINED), ExitCode.UNDETERMINED),
     ],
 )
 def test_what_fails_at_one_mach_number_is_its_outcome(
