@@ -197,4 +197,9 @@ def _cache_class() -> type:
                 self.flush()
                 return None
 
+        def save_overload(self, sig: Any, data: Any) -> None:
+            """Keep compiled code; where the disk is full this process goes on with what it has compiled."""
+            with contextlib.suppress(OSError):
+                super().save_overload(sig, data)
+
     return ContentCache

@@ -109,6 +109,14 @@ def test_racing_processes_get_their_own_code(tmp_path: Path) -> None:
         assert [result(process)[0] for process in racing] == [20.0] * 3
 
 
+def test_a_cache_that_cannot_take_more_ends_nothing(tmp_path: Path) -> None:
+    """As on a full disk: no file may grow."""
+    tree = copy(tmp_path / "tree", "sources")
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
+    assert result(start(tree, "sources", tmp_path / "cache", before=limit))[0] == 20.0
+    assert result(start(tree, "sources", tmp_path / "cache")) == (20.0, 0, 1)
+
+
 @pytest.mark.parametrize(
     ("environment", "before"),
     [
