@@ -32,6 +32,7 @@ import numpy as np
 from scipy.io import netcdf_file
 
 from master import atomic, disk, interrupts
+from master.case import Case, dump
 from master.channels import REALS
 from master.errors import AeroSloshError
 from master.flutter import March
@@ -143,7 +144,11 @@ class RunFolder:
             self._log.write(f"{datetime.datetime.now().isoformat(timespec='milliseconds')}  {text}\n")
             self._log.flush()
 
-    def write_case(self, text: str) -> None:
+    def write_case(self, case: Case) -> None:
+        """case.toml of a case. Raises AeroSloshError (INPUT)."""
+        self.write_settings(dump(case))
+
+    def write_settings(self, text: str) -> None:
         """case.toml, before anything is computed. Raises AeroSloshError (INPUT)."""
         with self._writable():
             atomic.write(self.path / "case.toml", text.encode())

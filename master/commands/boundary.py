@@ -50,7 +50,7 @@ def execute(options: argparse.Namespace) -> int:
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     with RunFolder(common.run_folder(options, case.name)) as folder:
-        folder.write_case(cases.dump(case))
+        folder.write_case(case)
         kept = Kept(case, folder)
         try:
             points = _solve(case, fmus, kept, progress)

@@ -46,7 +46,7 @@ def execute(options: argparse.Namespace) -> int:
     if keeper is not None:
         checkpoint.check_files({name: path for name, path in files.items() if (name, case.slosh.model) != ("slosh", "frozen")})
     with RunFolder(common.run_folder(options, case.name)) as folder:
-        folder.write_case(cases.dump(case))
+        folder.write_case(case)
         mach, V_f = case.flow.mach, case.flutter.V_f
         fields = None
         if start is not None and case.output.fields and not start.about["case"]["output.fields"]:

@@ -37,7 +37,7 @@ def execute(options: argparse.Namespace) -> int:
     progress = Progress(options.quiet or options.json)
     files = assemblies.find(assembly, options.fmus)
     with RunFolder(options.out or Path("runs") / f"{assembly.name}_run") as folder:
-        folder.write_case(assemblies.dump(assembly))
+        folder.write_settings(assemblies.dump(assembly))
         system = assemblies.build(assembly, files)
         try:
             hashes = {c.name: c.sha256 for c in system.everyone}

@@ -241,6 +241,6 @@ def test_two_runs_of_one_name_keep_both(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(record.os, "rename", late)
     with record.RunFolder(target) as mine:
-        mine.write_case("a")
+        mine.write_settings("a")
     texts = {path.parent.name: path.read_text() for path in tmp_path.glob("*/case.toml")}
     assert texts == {"run": "a", "run.001": "b", "run.002": "c"} and not interrupts.UNFINISHED
