@@ -97,6 +97,7 @@ SECOND = """
 import os, signal, sys, time
 from pathlib import Path
 from master import interrupts
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background have it ignored
 interrupts.install()
 left = Path(sys.argv[1])
 interrupts.UNFINISHED.add(left)
