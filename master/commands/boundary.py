@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time as clock
 from pathlib import Path
@@ -13,7 +14,7 @@ from master import case as cases
 from master.boundary import BoundaryPoint
 from master.case import Case
 from master.commands import common
-from master.errors import AeroSloshError, ExitCode, show
+from master.errors import AeroSloshError, ExitCode, InternalError, show
 from master.flutter import March
 from master.progress import Progress
 from master.record import RunFolder, provenance, write_history
@@ -104,7 +105,7 @@ class Kept:
 
     def _add(self, point: BoundaryPoint) -> None:
         self._finished += not point.interrupted
-        self._rows.append({"slosh": self.case.slosh.model} | outcome.point_data(point))
+        self._rows.append({"slosh": self.case.slosh.model} | _row(point))
         about = provenance(self.hashes)
         self.folder.write_result(self.data() | {"provenance": about})
         self._written = self._finished
@@ -122,6 +123,18 @@ class Kept:
     def unwritable(self, error: OSError) -> AeroSloshError:
         """What a user is told when the disk does not take a result."""
         return disk.explained(error, self.folder.target, f"free space, or give another folder with --out; {self.told()}")
+
+
+def _row(point: BoundaryPoint) -> dict[str, Any]:
+    """The data of a point; of one that cannot be told, which from then on has failed, that it cannot."""
+    try:
+        row = outcome.point_data(point)
+        json.dumps(row, allow_nan=False)
+    except Exception as error:
+        point.failure, point.converged = InternalError(error, f"Mach {point.mach:g}"), False
+        point.outcome = f"failed: {point.failure.what}"
+        return outcome.point_data(BoundaryPoint(point.mach, [], [], point.outcome, False))
+    return row
 
 
 def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) -> list[BoundaryPoint]:

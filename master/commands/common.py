@@ -117,10 +117,10 @@ def log_messages(components: Iterable[Component], folder: RunFolder) -> None:
 
 @contextmanager
 def printed(options: argparse.Namespace, data: dict[str, Any], summary: str, folder: RunFolder) -> Iterator[None]:
-    """JSON for programs, the summary for people, after the block that writes the files; also where the disk refuses them."""
+    """JSON for programs, the summary for people, after the block that writes the files; also where that fails."""
     try:
         yield
-    except OSError:
+    except Exception:
         _print(options, data, summary)
         raise
     _print(options, data, f"{summary}\n  run folder   {os.path.relpath(folder.target)}")

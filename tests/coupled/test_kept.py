@@ -17,7 +17,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from processes import COMMAND, QUICK, started, until
 
-from master import cli, confirm, interrupts, record
+from master import boundary_plot, cli, confirm, interrupts, outcome, record
 from master.errors import AeroSloshError, ExitCode
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -169,6 +169,30 @@ def test_what_fails_at_one_mach_number_is_its_outcome(
     said = capsys.readouterr().err
     assert str(error).splitlines()[0] in said and ("Traceback" in said) is (code == ExitCode.INTERNAL)
     assert result(out)["unfinished"] == []
+
+
+def test_a_point_that_cannot_be_told_is_an_outcome_and_a_picture_that_fails_hides_nothing(
+    flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A number that JSON has not at one Mach number; a picture that cannot be drawn."""
+    whole = outcome.point_data
+
+    def spoilt(point: Any) -> dict[str, Any]:
+        return whole(point) | ({"slope": float("nan")} if point.mach == 0.3 and point.marches else {})
+
+    def draw(*_: Any) -> None:
+        raise ZeroDivisionError("the picture")
+
+    monkeypatch.setattr(outcome, "point_data", spoilt)
+    monkeypatch.setattr(boundary_plot, "draw", draw)
+    out = tmp_path / "b"
+    marched = [word for word in MARCHED if word != "--no-pictures"]
+    with pytest.raises(ZeroDivisionError):
+        cli.run(words("boundary", out, flutter_fmus, *marched, "--mach", "0.3", "0.4", "--quiet"))
+    first, second = result(out)["points"]
+    assert first["outcome"].startswith("failed: internal error: ValueError") and second["converged"]
+    assert len(list(out.glob("history_M0.3_*.nc"))) > 1, "what was marched is kept"
+    assert "0.400" in capsys.readouterr().out and not hidden(tmp_path)
 
 
 # disks
