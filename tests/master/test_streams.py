@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -59,6 +60,27 @@ def test_progress_that_nobody_reads_ends_nothing(line: str, tmp_path: Path) -> N
     if (code := tmp_path / "file.code").exists():
         assert code.read_text() == "0\n"
     assert done.returncode == 0 and (tmp_path / "file").read_text() == "whole"
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "words"),
+    [
+        (errno.ENOSPC, 5, ["The disk is full", "/there/out.csv", "free space"]),
+        (errno.EDQUOT, 5, ["The disk is full", "/there/out.csv"]),
+        (errno.EROFS, 5, ["cannot be written: Read-only file system", "--out"]),
+        (errno.EINVAL, 70, ["Traceback", "internal error"]),  # no fault of the disk
+    ],
+)
+def test_what_a_disk_refuses_is_told_by_every_command(
+    number: int, code: int, words: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refused(_: object) -> int:
+        raise OSError(number, os.strerror(number), "/there/out.csv")
+
+    monkeypatch.setattr(cli, "run", refused)
+    assert cli._told(["drive"]) == code
+    said = capsys.readouterr().err
+    assert all(word in said for word in words) and ("Traceback" in said) is (code == 70)
 
 
 def test_closed_streams_are_not_given_to_files(tmp_path: Path) -> None:
