@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import sys
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; before numpy is loaded
+
 from . import exchange, flutter_point, kernels, slosh_vof, sweep
 
 if __name__ == "__main__":

@@ -5,22 +5,17 @@ Reads the fields_<number>.vts files that a slosh FMU wrote; draws each with the 
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from master import vtk
+from master import atomic, canvas, vtk
 from master.errors import AeroSloshError
 
 LIQUID = LinearSegmentedColormap.from_list("liquid", ["#ffffff", "#9cc4e4", "#1f6fb2"])
@@ -64,15 +59,14 @@ def animate(files: Sequence[Path], out: Path, fps: int = 20, pictures: Path | No
         raise AeroSloshError(f"--out {out}", "command line", "a name that ends in .gif")
     windows = _windows(np.array([_box(read(path)) for path in files]))
     wide, high = np.diff(windows[0])[[0, 2]]
-    figure, axes = plt.subplots(figsize=(7.2, min(max(7.2 * high / wide, 1.5), 7.2) + 0.7), layout="constrained")
+    figure, axes = canvas.subplots(figsize=(7.2, min(max(7.2 * high / wide, 1.5), 7.2) + 0.7), layout="constrained")
     writer = PillowWriter(fps=fps)
     for folder in (out.parent, pictures):
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
-    temporary = out.with_name(f"{out.stem}.part.gif")  # its ending tells the writer what to write
-    writer.setup(figure, str(temporary), dpi=90)
     written = [out]
-    try:
+    with atomic.part(out, ".gif") as hidden:  # its ending tells the writer what to write
+        writer.setup(figure, str(hidden), dpi=90)
         for path, window in zip(files, windows, strict=True):
             axes.clear()
             draw(axes, read(path), window, path.stem)
@@ -82,10 +76,6 @@ def animate(files: Sequence[Path], out: Path, fps: int = 20, pictures: Path | No
             if pictures is not None:
                 written.append(_picture(figure, pictures / f"{path.stem}.png"))
         writer.finish()
-        os.replace(temporary, out)
-    finally:
-        plt.close(figure)
-        temporary.unlink(missing_ok=True)
     return written
 
 
@@ -107,9 +97,8 @@ def draw(axes: Axes, field: vtk.Field, window: np.ndarray, name: str) -> None:
 
 
 def _picture(figure: Figure, path: Path) -> Path:
-    temporary = path.with_name(path.name + ".part")
-    figure.savefig(temporary, dpi=150, format="png")
-    os.replace(temporary, path)
+    with atomic.part(path) as hidden:
+        figure.savefig(hidden, dpi=150, format="png")
     return path
 
 

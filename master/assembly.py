@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import settings, toml_text
+from master import settings, texts, toml_text
 from master.case import Coupling
 from master.component import Component
 from master.errors import AeroSloshError
@@ -120,7 +120,7 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Assembly:
     for name, content in given.items():
         table = f"components.{name}"
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_-]*", name):
-            written = enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+            written = enumerate(texts.read(path, "system file").splitlines(), start=1)
             line = next((number for number, text in written if name in text and text.split("#")[0].strip()), "?")
             raise AeroSloshError(
                 f"'{name}' is no name for a component",

@@ -4,23 +4,37 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
+
+from master import interrupts
 
 
 def write(path: Path, data: bytes) -> None:
     """Write to a hidden name beside `path`, onto the disk, then rename. Raises OSError; then nothing new lies there."""
-    part = path.with_name(f".{path.name}.part-{os.getpid()}")
+    with part(path) as hidden, hidden.open("wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+    sync_folder(path.parent)
+
+
+@contextlib.contextmanager
+def part(path: Path, ending: str = "") -> Iterator[Path]:
+    """A hidden name beside `path`, of this process alone, for whoever writes a file by its name; renamed at the end, or removed.
+
+    `ending`: for writers that go by it."""
+    hidden = path.with_name(f".{path.name}.part-{os.getpid()}{ending}")
+    interrupts.UNFINISHED.add(hidden)
     try:
-        with part.open("wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(part, path)
+        yield hidden
+        os.replace(hidden, path)
     except BaseException:
         with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
+            hidden.unlink(missing_ok=True)
         raise
-    sync_folder(path.parent)
+    finally:
+        interrupts.UNFINISHED.discard(hidden)
 
 
 def sync_folder(folder: Path) -> None:
@@ -35,5 +49,5 @@ def sync_folder(folder: Path) -> None:
 
 def remove_parts(folder: Path) -> None:
     """Remove what writers that were killed left in `folder`; no writer may be at work there."""
-    for part in folder.glob(".*.part-*"):
-        part.unlink(missing_ok=True)
+    for hidden in folder.glob(".*.part-*"):
+        hidden.unlink(missing_ok=True)

@@ -6,10 +6,10 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from master.damping import Fit, Mode
-from master.errors import AeroSloshError, ComponentError
+from master.errors import AeroSloshError, ComponentError, InternalError
 from master.flutter import March
 from master.linear import LinearCrossing, LinearModel
 from master.roots import Crossing, Sample
@@ -53,11 +53,12 @@ class BoundaryPoint:
     converged: bool
     marches: list[March] = field(default_factory=list, repr=False)
     wall: float = 0.0
-    failure: ComponentError | None = None
+    failure: AeroSloshError | None = None
     linear: LinearModel | None = None
     predictions: list[Prediction] = field(default_factory=list)
     checks: list[March] = field(default_factory=list, repr=False)
     divergence: float = math.nan
+    interrupted: bool = False
 
 
 def sample(march: March) -> Sample:
@@ -136,25 +137,41 @@ def boundary(
     """Search every Mach number; each starts from its nearest solved neighbour's result, the first from `guess`.
 
     `marcher_at(mach)` gives the marcher and a function that closes it; `strategy` is what to do at a Mach number instead of
-    `search` (module `confirm` has one with a linear model). A Mach number whose component
-    fails before any march is a point with that outcome; the others go on.
+    `search` (module `confirm` has one with a linear model). A Mach number at which something fails, an FMU or this
+    program, is a point with that outcome and the marches made; the others go on. So is, before an interrupt goes on, one that has
+    marches.
     """
     points: list[BoundaryPoint] = []
     for mach in machs:
         start, slope = _prior(points, mach, guess)
+        made: list[March] = []
+        begin = clock.perf_counter()
+
+        def unfinished(outcome: str, mach: float = mach, made: list[March] = made, begin: float = begin) -> BoundaryPoint:
+            return BoundaryPoint(mach, [], [sample(m) for m in made], outcome, False, made, clock.perf_counter() - begin)
+
         try:
             marcher, close = marcher_at(mach)
-        except ComponentError as error:
-            points.append(BoundaryPoint(mach, [], [], f"failed: {error.what}", False, failure=error))
-            on_point(points[-1])
-            continue
-        try:
-            if strategy is not None:
-                point = strategy(marcher, mach, start, slope)
-            else:
-                point = search(marcher, mach, start, V_f_range[0], V_f_range[1], tolerance, max_marches, slope)
-        finally:
-            close()
+
+            def noted(V_f: float, marcher: Marcher = marcher, made: list[March] = made) -> March:
+                made.append(marcher(V_f))
+                return made[-1]
+
+            try:
+                if strategy is not None:
+                    point = strategy(noted, mach, start, slope)
+                else:
+                    point = search(noted, mach, start, V_f_range[0], V_f_range[1], tolerance, max_marches, slope)
+            finally:
+                close()
+        except Exception as error:
+            failure = error if isinstance(error, AeroSloshError) else InternalError(error, f"Mach {mach:g}")
+            point = unfinished(f"failed: {failure.what}" + (f" ({counted(len(made), 'march')} made)" if made else ""))
+            point.failure = failure
+        except BaseException:
+            if made:
+                on_point(replace(unfinished(f"interrupted after {counted(len(made), 'march')}"), interrupted=True))
+            raise
         points.append(point)
         on_point(point)
     if not points:
@@ -177,7 +194,7 @@ def _prior(points: list[BoundaryPoint], mach: float, guess: float) -> tuple[floa
 
 
 def outcome_text(
-    found: list[Crossing], samples: list[Sample], low: float, high: float, n: int, failure: ComponentError | None
+    found: list[Crossing], samples: list[Sample], low: float, high: float, n: int, failure: AeroSloshError | None
 ) -> str:
     """One line for people: the crossings, whether each meets the tolerance, and the number of marches `n`."""
     if found:

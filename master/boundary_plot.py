@@ -104,7 +104,6 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
         top.set_xlim(points[0].mach - 0.01, points[-1].mach + 0.01)
         top.legend(loc="best", fontsize=8)
         figure.savefig(path)
-        plt.close(figure)
 
 
 def _published(axis: Axes, file: Path, low: float, high: float) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from master import atomic, fmu_cache
 from master.component import no_serialization
 from master.coupling import Scheme
-from master.errors import AeroSloshError
+from master.errors import AeroSloshError, ExitCode
 from master.system import System
 
 FORMAT = 1
@@ -89,9 +89,8 @@ class Keeper:
         try:
             atomic.write(self.path, whole.getvalue())
         except OSError as error:
-            raise AeroSloshError(
-                f"The checkpoint cannot be written: {error.strerror}", str(self.path), "free space, or name another file"
-            ) from None
+            what, remedy = f"The checkpoint cannot be written: {error.strerror}", "free space, or name another file"
+            raise AeroSloshError(what, str(self.path), remedy, ExitCode.INCOMPLETE) from None
 
 
 def read(path: Path) -> Checkpoint:

@@ -22,7 +22,7 @@ from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 from fmpy.logging import addLoggerProxy
 
-from master import fmu_cache
+from master import fmu_cache, interrupts
 from master.errors import AeroSloshError, ComponentError
 
 STATUS = {0: "OK", 1: "warning", 2: "discarded", 3: "error", 4: "fatal", 5: "pending"}
@@ -71,6 +71,8 @@ class Group:
             return
         component, begin = self._component, clock.perf_counter()
         status = function(component.fmu.component, self._references, self._count, self._buffer)
+        if interrupts.pending is not None:
+            interrupts.check()
         if status > fmi2.fmi2Warning:
             name = function.__name__
             raise component.failure(FMICallException(function=name, status=status), name)
@@ -228,6 +230,7 @@ class Component:
         status = self._do_step(self.fmu.component, self.time, dt, self._final)
         self.wall += clock.perf_counter() - wall
         self.cpu += clock.process_time() - cpu
+        interrupts.check()
         if status > fmi2.fmi2Warning:
             raise self.failure(FMICallException(function="fmi2DoStep", status=status), "fmi2DoStep")
         self.outputs.get()
@@ -300,7 +303,9 @@ class Component:
         cpu, wall = clock.process_time() if heavy else 0.0, clock.perf_counter()
         try:
             yield self.fmu
+            interrupts.check()
         except FMICallException as error:
+            interrupts.check()
             raise self.failure(error, what) from None
         finally:
             spent = clock.perf_counter() - wall
@@ -360,7 +365,9 @@ class Component:
         cpu, wall = clock.process_time(), clock.perf_counter()
         try:
             self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            interrupts.check()
         except Exception as error:
+            interrupts.check()
             trace = "\n".join(text for _, text in self.messages)
             raise ComponentError(
                 f"Component '{self.name}' cannot be instantiated: {error}",

@@ -139,7 +139,7 @@ class Confirm:
         samples: list[Sample] = []
         found: list[Crossing] = []
         predictions: list[Prediction] = []
-        failure: ComponentError | None = None
+        failure: AeroSloshError | None = None
         for c in expected:
             hidden = _hidden(c, model)
             if hidden:

@@ -10,8 +10,8 @@ collection beside the folder opens them in ParaView.
 from __future__ import annotations
 
 import csv
+import io
 import math
-import os
 import re
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from master import pvd
+from master import atomic, pvd, texts
 from master.component import Component
 from master.errors import AeroSloshError
 
@@ -47,9 +47,9 @@ class Table:
 def read(path: Path) -> Table:
     """Read a table. Raises AeroSloshError naming file, line, column and remedy."""
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            lines = [(n, row) for n, row in enumerate(csv.reader(file), start=1) if row and not row[0].lstrip().startswith("#")]
-    except (OSError, UnicodeDecodeError) as error:
+        text = io.StringIO(texts.read(path, "table"), newline="")
+        lines = [(n, row) for n, row in enumerate(csv.reader(text), start=1) if row and not row[0].lstrip().startswith("#")]
+    except (OSError, csv.Error) as error:
         raise AeroSloshError(f"The table cannot be read: {error}", str(path), "give a CSV file with a header") from None
     if len(lines) < 3:
         raise AeroSloshError("The table has fewer than two rows", str(path), "a header, then one row a communication point")
@@ -183,27 +183,24 @@ def run(component: Component, table: Table, every: int = 0) -> dict[str, np.ndar
 def write(path: Path, columns: dict[str, np.ndarray]) -> None:
     """Write columns as CSV, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".part")
-    with temporary.open("w", newline="", encoding="utf-8") as file:
+    with atomic.part(path) as hidden, hidden.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows(zip(*([repr(float(v)) for v in column] for column in columns.values()), strict=True))
-    os.replace(temporary, path)
 
 
 def draw(path: Path, table: Table, columns: dict[str, np.ndarray], units: dict[str, str]) -> None:
     """Inputs and outputs over time, one small panel each; what never changes is left out."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    from master import canvas  # matplotlib takes half a second to import
 
     series = [(n, table.times, v, "C7") for n, v in zip(table.names, table.values.T, strict=True)]
     series += [(n, columns["time"], v, "C0") for n, v in columns.items() if n != "time"]
     series = [entry for entry in series if np.ptp(entry[2]) > 0.0] or series[:1]
     across = 2 if len(series) > 1 else 1
     down = math.ceil(len(series) / across)
-    figure, axes = plt.subplots(down, across, figsize=(5 * across, 1.7 * down), sharex=True, layout="constrained", squeeze=False)
+    figure, axes = canvas.subplots(
+        down, across, figsize=(5 * across, 1.7 * down), sharex=True, layout="constrained", squeeze=False
+    )
     for axis, (name, times, values, colour) in zip(axes.flat, series, strict=False):
         axis.plot(times, values, colour, lw=1)
         axis.set_ylabel(f"{name} [{units.get(name) or '-'}]", fontsize=8)
@@ -213,7 +210,5 @@ def draw(path: Path, table: Table, columns: dict[str, np.ndarray], units: dict[s
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".part")
-    figure.savefig(temporary, dpi=110, format="png")
-    plt.close(figure)
-    os.replace(temporary, path)
+    with atomic.part(path) as hidden:
+        figure.savefig(hidden, dpi=110, format="png")

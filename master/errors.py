@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import traceback
 from enum import IntEnum
 
 
@@ -10,13 +12,15 @@ class ExitCode(IntEnum):
 
     OK             the run ended and its verdict stands
     DIFFERENT      `compare`: the runs differ
-    INPUT          a bad case, override, command line, missing FMU or output folder; nothing was computed
+    INPUT          a bad case, override, command line, missing FMU or output folder: nothing was computed; or a result that cannot
+                   be printed: standard output is closed or full
     COMPONENT      an FMU failed (its message and traceback were shown); the history so far is kept
     UNDETERMINED   everything ran, but no verdict or no boundary can be given (not converged, too short, too noisy,
                    or the slosh model does not hold)
-    INCOMPLETE     a sweep ended before all its points (full disk, cluster gone): what is finished is kept, --resume goes on
+    INCOMPLETE     not everything could be written or computed (full disk, cluster gone): what is finished is kept
     INTERNAL       a fault of ours, with a traceback
-    INTERRUPTED    stopped by Ctrl-C
+    INTERRUPTED    stopped by Ctrl-C: what is finished of a boundary or sweep is kept
+    TERMINATED     the same, asked for by another program (SIGTERM) or a terminal that closes
     """
 
     OK = 0
@@ -27,6 +31,7 @@ class ExitCode(IntEnum):
     INCOMPLETE = 5
     INTERNAL = 70
     INTERRUPTED = 130
+    TERMINATED = 143
 
 
 class AeroSloshError(Exception):
@@ -34,6 +39,7 @@ class AeroSloshError(Exception):
 
     def __init__(self, what: str, where: str = "", remedy: str = "", code: ExitCode = ExitCode.INPUT) -> None:
         self.what, self.where, self.remedy, self.code = what, where, remedy, code
+        self.traceback = ""
         super().__init__(str(self))
 
     def __str__(self) -> str:
@@ -48,6 +54,24 @@ class AeroSloshError(Exception):
 class ComponentError(AeroSloshError):
     """An FMU failed. `component` is its name, `time` [s] the start of the step, `traceback` what its log said."""
 
-    def __init__(self, what: str, where: str, remedy: str, component: str, time: float, traceback: str) -> None:
-        self.component, self.time, self.traceback = component, time, traceback
+    def __init__(self, what: str, where: str, remedy: str, component: str, time: float, trace: str) -> None:
         super().__init__(what, where, remedy, ExitCode.COMPONENT)
+        self.component, self.time, self.traceback = component, time, trace
+
+
+class InternalError(AeroSloshError):
+    """A fault of ours at one of several tasks, made from the exception at hand: the others go on."""
+
+    def __init__(self, error: Exception, where: str) -> None:
+        what = f"internal error: {type(error).__name__}: {error}"
+        super().__init__(what, where, "please report it with the case file", ExitCode.INTERNAL)
+        self.traceback = "".join(traceback.format_exception(error))
+
+
+def show(error: AeroSloshError) -> None:
+    """An error on standard error; a component's with its own traceback."""
+    print(f"aeroslosh: {error}", file=sys.stderr)
+    if error.traceback:
+        print(f"  {error.component if isinstance(error, ComponentError) else 'Python'} says:", file=sys.stderr)
+        for line in error.traceback.strip().splitlines():
+            print(f"    | {line}", file=sys.stderr)

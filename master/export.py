@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from master import history, pvd, vtk
+from master import atomic, history, pvd, texts, vtk
 from master.errors import AeroSloshError
 from master.history import History
 
@@ -151,16 +151,15 @@ def _samples(run: Path) -> list[float]:
 def _about(source: History) -> dict[str, Any]:
     """What the history says of itself, and the resolved case beside it."""
     case = source.path.with_name("case.toml")
-    return source.attributes | ({"case": case.read_text(encoding="utf-8")} if case.is_file() else {})
+    return source.attributes | ({"case": texts.read(case, "resolved case")} if case.is_file() else {})
 
 
 def _publish(target: Path, write: Callable[[Path], Any]) -> Path:
     """Let `write` fill a temporary file and rename it. Raises AeroSloshError where the file cannot be written."""
-    temporary = target.with_name(target.name + ".part")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write(temporary)
-        os.replace(temporary, target)
+        with atomic.part(target) as hidden:
+            write(hidden)
     except OSError as error:
         raise _unwritable(target, error) from None
     return target

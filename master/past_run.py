@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import history, settings, toml_text
+from master import history, settings, texts, toml_text
 from master.errors import AeroSloshError
 from master.sweeps import point_file
 from master.sweeps.point_file import Record
@@ -102,7 +102,7 @@ def _kind(result: dict[str, Any]) -> str:
 def _result(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """The numbers and the provenance of a result.json."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(texts.read(path, "result"))
     except (OSError, ValueError) as error:
         raise AeroSloshError(f"The result cannot be read: {error}", str(path), "give what a run wrote, whole") from None
     if not isinstance(data, dict):
@@ -114,7 +114,7 @@ def _result(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 def _settings(path: Path) -> tuple[dict[str, Any], dict[str, str]]:
     """Values and units of a resolved case: table.key → …, whatever tables it has."""
     data, lines = settings.read(path, "resolved case", "case.toml of a run folder")
-    text = path.read_text(encoding="utf-8").splitlines()
+    text = texts.read(path, "resolved case").splitlines()
     values = {f"{table}.{key}": value for table, keys in data.items() if isinstance(keys, dict) for key, value in keys.items()}
     values |= {key: value for key, value in data.items() if not isinstance(value, dict)}
     units = {f"{table}.{key}": m[1] for (table, key), line in lines.items() if key and (m := UNIT.search(text[line - 1]))}

@@ -5,12 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
+from master import canvas as plt
 from master import trust, vtk
 from master.flutter import March
 from master.slosh import LABEL, holds
@@ -102,7 +99,6 @@ def histories(march: March, path: Path) -> None:
         axes[1].set_xlim(0.0, cycles[-1] if cycles[-1] > 0 else 1.0)
         figure.suptitle(headline(march), fontsize=11)
         figure.savefig(path)
-        plt.close(figure)
 
 
 def phase(march: March, path: Path) -> None:
@@ -129,7 +125,6 @@ def phase(march: March, path: Path) -> None:
             figure.colorbar(points, ax=axes, label="cycles", pad=0.02)
         figure.suptitle(headline(march), fontsize=10.5)
         figure.savefig(path)
-        plt.close(figure)
 
 
 def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> None:
@@ -179,7 +174,6 @@ def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> N
             figure.colorbar(mesh, ax=axes, label="Mach number (white line: sonic)", shrink=0.85, extend="min")
         figure.suptitle(headline(march), fontsize=10.5)
         figure.savefig(path)
-        plt.close(figure)
 
 
 def _window(field: vtk.Field) -> np.ndarray:

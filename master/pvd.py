@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
+from master import atomic
 from master.errors import AeroSloshError
 
 FIELD_FILE = re.compile(r"(?P<kind>.+)_(?P<number>\d{3,})\.vt[spuir]")
@@ -50,9 +51,8 @@ def write(path: Path, frames: Iterable[Frame]) -> Path:
         ElementTree.SubElement(collection, "DataSet", entry)
     ElementTree.indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".part")
-    temporary.write_text(f'<?xml version="1.0"?>\n{ElementTree.tostring(root, encoding="unicode")}\n', encoding="utf-8")
-    os.replace(temporary, path)
+    text = f'<?xml version="1.0"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+    atomic.write(path, text.encode())
     return path
 
 

@@ -11,14 +11,18 @@ already there is moved aside to `<name>.001`, `.002`, …; any other folder of t
 
 from __future__ import annotations
 
+import contextlib
 import datetime
+import errno
 import functools
 import hashlib
+import io
 import json
 import os
 import platform
 import shutil
 import sys
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 from types import TracebackType
@@ -27,7 +31,7 @@ from typing import Any
 import numpy as np
 from scipy.io import netcdf_file
 
-from master import trust
+from master import atomic, disk, interrupts, trust
 from master.case import Case, dump
 from master.channels import REALS
 from master.errors import AeroSloshError
@@ -73,9 +77,10 @@ def source_hash() -> str:
 
 
 class RunFolder:
-    """Context manager over the hidden folder `path`; renamed to `target` when the block ends well.
+    """Context manager over the hidden folder `path`; renamed to `target` when the block ends well, or by `publish` before.
 
-    On an exception the hidden folder is removed, unless `keep()` was called: then what was written is published too.
+    On an exception the hidden folder is removed, unless `keep()` was called: then what was written is published too. The
+    exception carries as a note what became of the folder; what the disk refused becomes an AeroSloshError (INCOMPLETE).
     """
 
     def __init__(self, target: Path) -> None:
@@ -94,62 +99,117 @@ class RunFolder:
         self._keep = False
 
     def __enter__(self) -> RunFolder:
-        try:
+        with self._writable():
+            interrupts.UNFINISHED.add(self.path)
             shutil.rmtree(self.path, ignore_errors=True)
             self.path.mkdir(parents=True)
             self._log = (self.path / "run.log").open("w", encoding="utf-8")
-        except OSError as error:
-            raise AeroSloshError(
-                f"The output folder cannot be written: {error.strerror}",
-                str(self.target),
-                "give another with --out",
-            ) from None
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, _e: BaseException | None, _t: TracebackType | None) -> None:
-        self._log.close()
-        if kind is not None and not self._keep:
-            shutil.rmtree(self.path, ignore_errors=True)
-            return
-        if self.target.exists():
-            self._move_aside()
-        os.rename(self.path, self.target)
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _t: TracebackType | None) -> None:
+        with contextlib.suppress(OSError):
+            self._log.close()
+        if error is None or self._keep:
+            self.publish()
+            if error is not None:
+                error.add_note(f"what was written is kept in {self.target}")
+        else:
+            self._remove(error)
+        if isinstance(error, OSError) and disk.of_disk(error):
+            kept = f" (what could be written is kept in {self.target})" if self._keep else ""
+            raise disk.explained(error, f"{error.filename or self.target}{kept}") from None
 
     def keep(self) -> None:
         """Publish the folder even when the run ends with an error."""
         self._keep = True
 
+    def publish(self) -> None:
+        """Give the folder its name now: whatever happens from here on, what is in it stays. An earlier run there moves aside."""
+        if self.path == self.target:
+            return
+        while True:
+            try:
+                os.rename(self.path, self.target)
+                break
+            except OSError as error:  # an earlier run, or one that another process published this very moment
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+            self._move_aside()
+        interrupts.UNFINISHED.discard(self.path)
+        self.path, self._keep = self.target, True
+
     def log(self, text: str) -> None:
-        """One entry in run.log."""
-        self._log.write(f"{datetime.datetime.now().isoformat(timespec='milliseconds')}  {text}\n")
-        self._log.flush()
+        """One entry in run.log; a full disk must not keep the user from reading it elsewhere."""
+        with contextlib.suppress(OSError):
+            self._log.write(f"{datetime.datetime.now().isoformat(timespec='milliseconds')}  {text}\n")
+            self._log.flush()
 
     def write_case(self, case: Case) -> None:
-        """case.toml"""
-        (self.path / "case.toml").write_text(dump(case), encoding="utf-8")
+        """case.toml of a case. Raises AeroSloshError (INPUT)."""
+        self.write_settings(dump(case))
+
+    def write_settings(self, text: str) -> None:
+        """case.toml, before anything is computed. Raises AeroSloshError (INPUT)."""
+        with self._writable():
+            atomic.write(self.path / "case.toml", text.encode())
 
     def write_result(self, result: dict[str, Any]) -> None:
-        """result.json"""
+        """result.json, whole or as it was. Raises OSError."""
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
-        (self.path / "result.json").write_text(text + "\n", encoding="utf-8")
+        atomic.write(self.path / "result.json", f"{text}\n".encode())
+
+    @contextlib.contextmanager
+    def _writable(self) -> Iterator[None]:
+        """What cannot be written at the start is an input that cannot be used."""
+        try:
+            yield
+        except OSError as error:
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise AeroSloshError(
+                f"The output folder cannot be written: {error.strerror}",
+                str(self.target),
+                "free space, or give another with --out" if error.errno in disk.FULL else "give another with --out",
+            ) from None
+
+    def _remove(self, error: BaseException) -> None:
+        shutil.rmtree(self.path, ignore_errors=True)
+        gone = not self.path.exists()
+        error.add_note("the unfinished run folder was removed" if gone else f"the unfinished {self.path} could not be removed")
+        if gone:
+            interrupts.UNFINISHED.discard(self.path)
 
     def _move_aside(self) -> None:
-        if not any(self.target.iterdir()):
-            self.target.rmdir()
-            return
         for number in range(1, 1000):
             aside = self.target.with_name(f"{self.target.name}.{number:03d}")
-            if not aside.exists():
+            if aside.exists():
+                continue
+            try:
                 os.rename(self.target, aside)
                 return
-        raise AeroSloshError(f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones")
+            except FileNotFoundError:  # another process moved it
+                return
+            except OSError as error:  # another process took this number
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+        else:
+            raise AeroSloshError(f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones")
 
 
 def write_history(path: Path, march: March, about: dict[str, Any]) -> None:
     """netCDF-3 history of `march` with the provenance `about` as global attributes."""
-    with netcdf_file(str(path), "w") as file:
+    with written(path) as file:
         put_march(file, march)
         put_attributes(file, march_attributes(march) | about)
+
+
+@contextlib.contextmanager
+def written(path: Path) -> Iterator[netcdf_file]:
+    """A netCDF-3 file to fill; it lies at `path` whole or not at all. Raises OSError."""
+    buffer = io.BytesIO()
+    file = netcdf_file(buffer, "w")
+    yield file
+    file.flush()
+    atomic.write(path, buffer.getvalue())
 
 
 def put_march(file: netcdf_file, march: March, prefix: str = "") -> None:

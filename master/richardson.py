@@ -13,6 +13,7 @@ from typing import Any
 
 SAFETY = 1.25  # of the grid convergence index on three meshes (95 %)
 LOWEST, FORMAL = 0.5, 2.0  # the order used: below it the extrapolation leaps, the scheme's own above
+ROUNDING = 1e-12  # relative difference of values that are the same
 ROUNDS = 100  # of the fixed point for the order; it takes about ten
 
 
@@ -48,11 +49,11 @@ def study(cells: list[tuple[int, int]], values: list[float]) -> GridStudy:
     (fine, medium, coarse), sizes = values, [1.0 / math.sqrt(a * n) for a, n in cells]
     r21, r32 = sizes[1] / sizes[0], sizes[2] / sizes[1]
     e21, e32 = medium - fine, coarse - medium
-    order = _order(e21, e32, r21, r32) if e21 * e32 > 0.0 else math.nan
     meshes, numbers = tuple(cells), tuple(values)
+    widest = max(values) - min(values)
+    order = _order(e21, e32, r21, r32) if e21 * e32 > 0.0 and widest > ROUNDING * abs(fine) else math.nan
     if not order > 0.0:
-        widest = max(values) - min(values)
-        if widest == 0.0:  # the mesh does not matter at all
+        if widest <= ROUNDING * abs(fine):  # the mesh does not matter at all
             return GridStudy(meshes, numbers, "monotone", math.nan, math.nan, fine, 0.0, 0.0)
         behaviour = "oscillating" if e21 * e32 < 0.0 else "diverging"
         return GridStudy(meshes, numbers, behaviour, math.nan, math.nan, fine, widest, SAFETY * widest / abs(fine))

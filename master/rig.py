@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from master import case_checks, slosh
@@ -60,26 +61,24 @@ class FlutterRig:
     ) -> None:
         case_checks.complete(case, "rig", case.source)
         self.case, self.mach = case, mach
-        self.structure = Component(fmus["structure"], "structure")
-        self.aero = Component(fmus["aero"], "aero")
-        self.tank = slosh.Tank(case.slosh, fmus) if case.slosh.model != "none" else None
-        if self.tank is not None and self.tank.validity is not None and not slosh.holds(self.tank.validity):
-            say(f"warning: {slosh.broken(self.tank.validity)} for this liquid in this tank, at rest already: no verdict")
-        moving = self.tank.moving if self.tank else None
-        components, lines = [self.structure, self.aero], WIRES.strip().splitlines()
-        if moving is not None:
-            components, lines = [*components, moving], lines + slosh.wiring(case.slosh.split)
-        surrogate = self.tank.surrogate if self.tank else None
-        self.system = assemble(components, wires(lines), case.coupling, {"slosh": surrogate} if surrogate else {})
         self._steady: Saved | None = None
         self._fmus = fmus
         self._slopes: SteadySlopes | str | None = "not asked for"
-        say(f"steady flow at Mach {mach:g}")
-        try:
+        with ExitStack() as opened:  # what is made is freed again unless all of it can be
+            self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))
+            self.aero = opened.enter_context(closing(Component(fmus["aero"], "aero")))
+            self.tank = opened.enter_context(closing(slosh.Tank(case.slosh, fmus))) if case.slosh.model != "none" else None
+            if self.tank is not None and self.tank.validity is not None and not slosh.holds(self.tank.validity):
+                say(f"warning: {slosh.broken(self.tank.validity)} for this liquid in this tank, at rest already: no verdict")
+            moving = self.tank.moving if self.tank else None
+            components, lines = [self.structure, self.aero], WIRES.strip().splitlines()
+            if moving is not None:
+                components, lines = [*components, moving], lines + slosh.wiring(case.slosh.split)
+            surrogate = self.tank.surrogate if self.tank else None
+            self.system = assemble(components, wires(lines), case.coupling, {"slosh": surrogate} if surrogate else {})
+            say(f"steady flow at Mach {mach:g}")
             self._solve_steady(field_folder)
-        except BaseException:
-            self.close()
-            raise
+            opened.pop_all()
         self.steady_cpu = self.aero.cpu
 
     def __enter__(self) -> FlutterRig:
@@ -143,10 +142,12 @@ class FlutterRig:
 
     def close(self) -> None:
         """Free the instances."""
-        if self._steady is not None:
-            self.aero.free(self._steady)
-            self._steady = None
-        self.system.close()
+        steady, self._steady = self._steady, None
+        try:
+            if steady is not None:
+                self.aero.free(steady)
+        finally:
+            self.system.close()
 
     def slopes(self) -> SteadySlopes | None:
         """Slopes of the steady loads over incidence by a second steady solution, once a rig; None where it does not converge."""

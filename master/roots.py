@@ -16,6 +16,7 @@ import numpy as np
 from master.richardson import GridStudy
 
 SURE = 3.0  # a difference of this many of its standard deviations is no noise
+SINGULAR = 1e-10  # of three growth rates less unlike than this share of their size no hyperbola is made
 UNKNOWN = 1.0  # in ln V_f: an error that nothing tells, finite for those who read it
 UNSEEN = 0.05  # of the distance to the nearest march: the least interpolation error, whatever the curves agree on
 OTHER_MODE = 1.5  # marches whose frequencies have a ratio above this tell of two modes, between which g has a kink
@@ -222,11 +223,11 @@ def hyperbola(three: list[Sample], steepest: float = math.inf) -> Root | None:
     scale = float(np.ptp(x))
     u = (x - x[0]) / scale
     matrix = np.column_stack([np.ones(3), g, u * g])  # r + p g + q u g = u
-    try:
-        r, p, q = np.linalg.solve(matrix, u)
-        shifts = np.linalg.solve(matrix, -np.diag(p + q * u))[0]  # dr/dg of each sample
-    except np.linalg.LinAlgError:
+    spread = np.linalg.svd(matrix / (np.linalg.norm(matrix, axis=0) + 1e-300), compute_uv=False)
+    if not spread[-1] > SINGULAR * spread[0]:  # growth rates all alike: no hyperbola; whether a solver says so is its rounding
         return None
+    r, p, q = np.linalg.solve(matrix, u)
+    shifts = np.linalg.solve(matrix, -np.diag(p + q * u))[0]  # dr/dg of each sample
     below = p + q * np.append(u, r)
     if not (np.all(below > 0.0) or np.all(below < 0.0)):
         return None

@@ -15,7 +15,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import Any
 
-from master import toml_text
+from master import texts, toml_text
 from master.errors import AeroSloshError
 
 Lines = dict[tuple[str, str], int]
@@ -44,13 +44,11 @@ def key(default: Any, *words: Any, **limits: Any) -> Any:
 def read(path: Path, what: str, example: str) -> tuple[dict[str, Any], Lines]:
     """The content of a TOML file and the line of every key. `what` the file is and an `example` go into messages."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = texts.read(path, what)
     except OSError as error:
         raise AeroSloshError(
             f"The {what} cannot be read: {error.strerror}", str(path), f"give the path of a TOML file, e.g. {example}"
         ) from None
-    except UnicodeDecodeError:
-        raise AeroSloshError(f"The {what} is not UTF-8 text", str(path), "save it as UTF-8") from None
     try:
         return tomllib.loads(text), toml_text.line_numbers(text)
     except tomllib.TOMLDecodeError as error:

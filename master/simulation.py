@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import netcdf_file
 
 from master import scheme as schemes
 from master.assembly import Assembly
 from master.checkpoint import Checkpoint, Keeper
 from master.errors import AeroSloshError, ComponentError
 from master.flutter import Watcher
-from master.record import put_attributes
+from master.record import put_attributes, written
 from master.scheme import Statistics
 from master.system import System
 
@@ -121,7 +121,7 @@ def simulate(
 def _check_restart(checkpoint: Checkpoint, assembly: Assembly) -> None:
     """The end may have moved, but not to before the checkpoint, nor so that steps would be of another size."""
     done, then = checkpoint.about["done"], checkpoint.about["dt"]
-    if assembly.dt != then:
+    if not math.isclose(assembly.dt, then, rel_tol=1e-12):  # another step, not another rounding of it
         raise AeroSloshError(
             f"Up to run.end = {assembly.run.end!r} the step would be {assembly.dt!r} s, the checkpoint's is {then!r} s",
             str(checkpoint.path),
@@ -158,7 +158,7 @@ def data(simulation: Simulation) -> dict[str, Any]:
 
 def write_history(path: Path, simulation: Simulation, about: dict[str, Any]) -> None:
     """netCDF-3: `time`, every output by its full name, `passes`; the provenance `about` as global attributes."""
-    with netcdf_file(str(path), "w") as file:
+    with written(path) as file:
         file.createDimension("time", simulation.time.size)
         columns = {"time": (simulation.time, "s"), "passes": (simulation.passes, "1")}
         columns |= {name: (column, simulation.units[name]) for name, column in simulation.outputs.items()}

@@ -85,29 +85,33 @@ class Tank:
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
         path, self._settings = fmus[FMU[settings.model]], settings
-        component = Component(path, "slosh")
-        try:
-            missing = [name for name in (*CARRIED, *LOADS["none"], *LOADS["frozen"]) if name not in component.output_index]
-            if missing:
-                raise AeroSloshError(
-                    f"{path.name} has no Real output {', '.join(missing)}", str(path), "give an FMU of a slosh model"
-                )
-            self._parameters = parameters(settings, component.variables)
-            component.set_all(self._parameters)
-            component.initialize()
-            self.liquid = Liquid(*(component.get(name) for name in CARRIED))
-            split = "frozen" if settings.model == "frozen" else settings.split
-            self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
-            force, moment = LOADS[split]
-            self.rest = (component.get(force), component.get(moment))
-            tells = settings.model != "frozen" and "validity" in component.output_index
-            self.validity = component.get("validity") if tells else None
-        except BaseException:
-            component.close()
-            raise
-        self.sha256 = component.sha256
-        self.moving: Component | None = component
+        self.moving: Component | None = None
         self.surrogate: Component | None = None
+        try:
+            self._open(settings, fmus, path)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, settings: cases.Slosh, fmus: dict[str, Path], path: Path) -> None:
+        """The instances, and what the liquid says of itself at rest."""
+        component = self.moving = Component(path, "slosh")
+        missing = [name for name in (*CARRIED, *LOADS["none"], *LOADS["frozen"]) if name not in component.output_index]
+        if missing:
+            raise AeroSloshError(
+                f"{path.name} has no Real output {', '.join(missing)}", str(path), "give an FMU of a slosh model"
+            )
+        self._parameters = parameters(settings, component.variables)
+        component.set_all(self._parameters)
+        component.initialize()
+        self.liquid = Liquid(*(component.get(name) for name in CARRIED))
+        split = "frozen" if settings.model == "frozen" else settings.split
+        self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
+        force, moment = LOADS[split]
+        self.rest = (component.get(force), component.get(moment))
+        tells = settings.model != "frozen" and "validity" in component.output_index
+        self.validity = component.get("validity") if tells else None
+        self.sha256 = component.sha256
         if settings.predictor != "none" and settings.model != "frozen":
             self.surrogate = Component(fmus[FMU[settings.predictor]], "slosh_predictor")
             self._surrogate_parameters = parameters(settings, self.surrogate.variables)
@@ -123,6 +127,11 @@ class Tank:
         s = self._settings
         level = 0.0 if s.model == "frozen" else s.liquid_density * s.gravity * s.tank_length**3 * s.tank_width / 12.0
         return self.liquid.stiffness - level
+    def close(self) -> None:
+        """Free the instances."""
+        for component in (self.moving, self.surrogate):
+            if component is not None:
+                component.close()
 
     def restart(self) -> None:
         """A liquid at rest, to be initialised with the section."""

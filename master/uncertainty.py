@@ -21,8 +21,10 @@ from master.richardson import study
 from master.rig import FlutterRig
 from master.roots import Crossing, Sample
 
+PARTS = ("step", "amplitude", "mesh")  # of an error bar, made here
 COARSER = 1.5  # the ratio of cell sizes of two meshes
 ORDER = 2.0  # of the scheme in time and space
+FLAT = 1e-6  # a growth rate that changes by less than this (over omega_alpha) while V_f doubles does not tell a V_f
 LEAP = 0.02  # a mesh that moves V_f by more than this (relative) is marched on once more, where it moved it to
 
 
@@ -43,7 +45,11 @@ class Spread:
         """`crossing` with the parts step, amplitude and mesh; V_f stays that of the case's step, amplitude and mesh.
 
         `searched`: the marches it was found by; the nearest to it is repeated."""
-        base = min((m for m in searched if self.take(m).known), key=lambda m: abs(m.scales.V_f - crossing.V_f))
+        near = sorted((m for m in searched if self.take(m).known), key=lambda m: abs(m.scales.V_f - crossing.V_f))
+        if not near or not abs(crossing.slope) * crossing.V_f > FLAT:
+            self.say("  step, amplitude, mesh: the growth rate hardly changes with V_f there, not in the error bar")
+            return dataclasses.replace(crossing, missing=PARTS)
+        base = near[0]
         V_f, sample = base.scales.V_f, self.take(base)
         own = V_f - sample.growth_rate / crossing.slope  # as the other settings' are told, so that curvature cancels
         f = self.case.flutter
@@ -68,7 +74,7 @@ class Spread:
             ratio = math.sqrt(math.prod(cells[0]) / math.prod(cells[1]))
             parts["mesh"] = (own - on_meshes[1]) / (ratio**ORDER - 1.0) if ratio > 1.0 else math.nan
         missing = tuple(name for name, value in parts.items() if not math.isfinite(value))
-        for name in ("step", "amplitude", "mesh"):
+        for name in PARTS:
             self.say(f"  {name}: " + ("no growth rate, not in the error bar" if name in missing else f"V_f {parts[name]:+.5f}"))
         kept = {name: value for name, value in parts.items() if name not in missing}
         return dataclasses.replace(crossing, parts=kept, missing=missing, grids=grids)
@@ -78,6 +84,9 @@ class Spread:
         self.rig.case = dataclasses.replace(self.case, flutter=settings)
         try:
             return self._neutral(self.rig, V_f, crossing)
+        except AeroSloshError as error:
+            self.say(f"  {settings.steps_per_cycle} steps a cycle, {settings.forced_amplitude_deg:g}°: {error.what}")
+            return math.nan
         finally:
             self.rig.case = self.case
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from master import vg
+from master import canvas, vg
 from master.boundary import BoundaryPoint
-from master.plots import BLUE, GREEN, GREY, RED, STYLE, plt
+from master.plots import BLUE, GREEN, GREY, RED, STYLE
 
 COLORS = (BLUE, GREEN, RED, "#8c6bb1", "#b8860b")
 WORST = 0.35  # growth rates drawn
@@ -17,8 +17,8 @@ WORST = 0.35  # growth rates drawn
 def draw(point: BoundaryPoint, low: float, high: float, path: Path) -> None:
     """Growth rate and frequency of every mode over V_f, the marches as dots, neutral V_f as vertical lines."""
     curves = vg.modes(point.linear, low, high) if point.linear is not None else []
-    with plt.rc_context(STYLE):
-        figure, (top, bottom) = plt.subplots(
+    with canvas.rc_context(STYLE):
+        figure, (top, bottom) = canvas.subplots(
             2, 1, figsize=(7.4, 7.0), sharex=True, gridspec_kw={"height_ratios": [1.6, 1.0]}, constrained_layout=True
         )
         for i, mode in enumerate(curves):
@@ -51,4 +51,3 @@ def draw(point: BoundaryPoint, low: float, high: float, path: Path) -> None:
         if curves or dots:
             top.legend(loc="best", fontsize=8)
         figure.savefig(path)
-        plt.close(figure)

@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; before numpy is loaded
+
 from fmus.kit import build, sources
 
 DIST = Path(__file__).resolve().parents[1] / "dist" / "fmus"

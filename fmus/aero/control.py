@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +19,17 @@ class StepReport(NamedTuple):
     residual: float
     converged: bool
     retries: int
+
+
+def together(reports: Sequence[StepReport]) -> StepReport:
+    """Steps made one after the other as one: what all took, and the residual of the worst of them."""
+    worst = min(reports, key=lambda r: (r.converged, -r.residual if math.isfinite(r.residual) else -math.inf))
+    return StepReport(
+        sum(r.subiterations for r in reports),
+        worst.residual,
+        all(r.converged for r in reports),
+        sum(r.retries for r in reports),
+    )
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import input_, output, parameter
 from . import vtk
-from .control import Settings
+from .control import Settings, together
 from .field import Motion
 from .freestream import Freestream, between
 from .march import Flow
@@ -52,7 +52,7 @@ class Aero(Slave):
                depends=MOTION, depends_initially=("alpha",)),
         output("residual", "1", "Last subiteration's density change over that of the step", depends=MOTION,
                depends_initially=("alpha",)),
-        output("converged", "", "Whether the last step met the tolerance", type=bool, depends=MOTION,
+        output("converged", "", "Whether the last step, all of its internal ones, met the tolerance", type=bool, depends=MOTION,
                depends_initially=("alpha",)),
         output("refactorings", "", "Linearisations since the start", type=int, depends=MOTION, depends_initially=("alpha",)),
         output("retries", "", "Repetitions of the last step with smaller pseudo-steps", type=int, depends=MOTION,
@@ -93,12 +93,13 @@ class Aero(Slave):
             )
         parts = max(1, math.ceil(travel - 1e-9))
         dt = stream.scaled_time(step_size / parts)
+        reports = []
         for part in range(1, parts + 1):
             motion = end if part == parts else between(start, end, step_size, part / parts)
-            report = self.flow.step(stream.scaled_motion(motion), self.mean_alpha + motion.alpha, dt)
+            reports.append(self.flow.step(stream.scaled_motion(motion), self.mean_alpha + motion.alpha, dt))
         self.motion = end
         self.steps += 1
-        self._publish(report)
+        self._publish(together(reports))
         if self.write_fields:
             if not self.field_folder:
                 raise StepError("write_fields is true but field_folder is empty. Remedy: set field_folder to a folder")

@@ -11,9 +11,11 @@ the module takes a name made of that hash (numba stores the name of the module w
 folder, any version of the FMU with the same kernels and the source tree share one compilation.
 
 Rules for kernel modules: module level only, all globals constant, no data but what lies in the component's
-folder. This leans on private parts of numba (written against 0.68); where they have changed, or the folder
-cannot be written, numba's ordinary cache is used. Processes may race: files are replaced atomically and data
-files have names of their own, so at worst a function is compiled twice.
+folder, imports of the package relative. This leans on private parts of numba (written against 0.68); where they
+have changed, numba's ordinary cache lies in that folder instead; where the folder cannot be written, nothing is
+kept: numba's ordinary place knows a kernel by its own file alone, and would keep it when a constant that it
+imports has changed. Processes may race: files are replaced atomically and data files have names of their own,
+so at worst a function is compiled twice.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ import numba
 from . import sources
 
 ROOT = Path(__file__).resolve().parents[1]  # the package root: fmus/, or resources/<component>_<hash>/
+SETTINGS: Any = numba.config  # its attributes are made from the environment
 DEFAULTS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 
 
@@ -50,7 +53,7 @@ def jit(function: Callable[..., Any] | None = None, /, **options: Any) -> Any:
     try:
         cache = _cache_class()(function)
     except Exception:  # another numba, a folder that cannot be written, a file from elsewhere
-        return numba.njit(cache=True, **settings)(function)
+        return _ordinary(function, settings)
     _name_by_content(function)
     dispatcher = numba.njit(**settings)(function)
     dispatcher._cache = cache
@@ -66,9 +69,28 @@ def cache_root() -> Path:
     return Path(base) / "aeroslosh"
 
 
+def _ordinary(function: Callable[..., Any], settings: dict[str, Any]) -> Any:
+    """Compile with numba's own cache in the folder of the content; without any cache where that cannot be had."""
+    before = SETTINGS.CACHE_DIR
+    try:
+        folder = cache_root() / _place(inspect.getfile(function))[0]
+        folder.mkdir(parents=True, exist_ok=True)
+        SETTINGS.CACHE_DIR = str(folder)
+        return numba.njit(cache=True, **settings)(function)
+    except Exception:
+        return numba.njit(**settings)(function)
+    finally:
+        SETTINGS.CACHE_DIR = before
+
+
 @functools.cache
-def _folder_hash(folder: str) -> str:
-    return sources.kernel_hash(ROOT / folder, ROOT)
+def _hashes(folder: str) -> tuple[frozenset[Path], str, str]:
+    """The files that a component's face reaches, the hash for kernels in these, and for those in others."""
+    home = ROOT / folder
+    reached = frozenset(sources.component_files(home, ROOT).values())
+    left = next((path for path in home.rglob("*.py") if path not in reached), None)
+    own = sources.kernel_hash(home, ROOT)
+    return reached, own, own if left is None else sources.kernel_hash(home, ROOT, left)
 
 
 def _place(file: str) -> tuple[str, str]:
@@ -77,8 +99,10 @@ def _place(file: str) -> tuple[str, str]:
     Raises:
         ValueError: the file is not in this package.
     """
-    inside = Path(file).resolve().relative_to(ROOT)
-    return _folder_hash(inside.parts[0]), inside.with_suffix("").as_posix()
+    path = Path(file).resolve()
+    inside = path.relative_to(ROOT)
+    reached, own, others = _hashes(inside.parts[0])
+    return own if path in reached else others, inside.with_suffix("").as_posix()
 
 
 def _name_by_content(function: Callable[..., Any]) -> None:
@@ -172,5 +196,10 @@ def _cache_class() -> type:
             except Exception:  # an index that cannot be read is worth a compilation, not a failed run
                 self.flush()
                 return None
+
+        def save_overload(self, sig: Any, data: Any) -> None:
+            """Keep compiled code; where the disk is full this process goes on with what it has compiled."""
+            with contextlib.suppress(OSError):
+                super().save_overload(sig, data)
 
     return ContentCache

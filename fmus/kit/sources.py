@@ -9,12 +9,13 @@ tree and inside an FMU, where the files lie in the same layout: same content, sa
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 KIT = "kit"
-BUILD_ONLY = {"build.py", "page.py", "readme.py"}
+FACE = "fmu.py"
 DOCUMENTATION = {".md"}
 REFERENCE = "reference"  # folder with the reference result
 ICON = "icon.png"
@@ -25,28 +26,11 @@ def component_files(folder: Path, root: Path) -> dict[str, Path]:
     """Return the files of the component in `folder`, by their path below the package root ("aero/fmu.py").
 
     Args:
-        folder: the component's folder; elsewhere than `root` for a test component.
+        folder: the component's folder, or a shared one, of which all modules count; elsewhere than `root` for a test component.
         root: the package root, which holds `kit` and the shared folders.
     """
-    files = {"__init__.py": root / "__init__.py"}
-    folders, todo = {folder.name: folder}, [folder]
-    kit: set[str] = set()
-    while todo:
-        here = todo.pop()
-        unused = _unreached(here) if here == folder else set()
-        for path in _files(here):
-            if path in unused:
-                continue
-            files[f"{here.name}/{path.relative_to(here).as_posix()}"] = path
-            for name in _sibling_imports(path, here):
-                first, _, module = name.partition(".")
-                if first == KIT:
-                    kit.add(module)
-                elif first not in folders and (root / first).is_dir():
-                    folders[first] = root / first
-                    todo.append(root / first)
-    files.update({f"{KIT}/{path.name}": path for path in _kit_files(root / KIT, kit)})
-    return dict(sorted(files.items()))
+    face = folder / FACE
+    return _reached([face] if face.is_file() else _modules(folder), folder, root)
 
 
 def content_hash(files: dict[str, Path]) -> str:
@@ -57,16 +41,17 @@ def content_hash(files: dict[str, Path]) -> str:
     return total.hexdigest()[:12]
 
 
-def kernel_hash(folder: Path, root: Path) -> str:
-    """Return the hash of what decides compiled code in `folder`: all its files less the face, and kit's
-    cache.
+def kernel_hash(folder: Path, root: Path, module: Path | None = None) -> str:
+    """Return the hash of all that code compiled in `folder` can read: the component's files less its face, the shared folders
+    and, of kit, what their modules import.
+
+    A `module` that its face does not reach (one that trains or measures) may read every module of the folder.
     """
-    files = {
-        name: path
-        for name, path in component_files(folder, root).items()
-        if not name.endswith("/fmu.py") and (not name.startswith(f"{KIT}/") or name == f"{KIT}/cache.py")
-    }
-    return content_hash(files)
+    found = component_files(folder, root)
+    own = [path for path in found.values() if path.suffix == ".py" and path.parent != root / KIT and path != folder / FACE]
+    if module is not None and module not in found.values():
+        own += [path for path in _modules(folder) if path != folder / FACE]
+    return content_hash(_reached([*own, root / KIT / "cache.py"], folder, root))
 
 
 def imported_packages(files: dict[str, Path]) -> set[str]:
@@ -75,12 +60,67 @@ def imported_packages(files: dict[str, Path]) -> set[str]:
     for path in files.values():
         if path.suffix != ".py":
             continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                found |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-                found.add(node.module.partition(".")[0])
+        for level, module, names in _statements(path.read_text(encoding="utf-8")):
+            if level == 0:
+                found |= {name.partition(".")[0] for name in ([module] if module else names)}
     return found
+
+
+def _reached(modules: Iterable[Path], folder: Path, root: Path) -> dict[str, Path]:
+    """The files that `modules` of `folder` need, themselves included, by their path below the package root.
+
+    Of `folder` and of kit: the modules that are imported, directly or through others; of a folder's data all; shared folders
+    whole.
+    """
+    found: dict[str, Path] = {}
+    todo = [root / "__init__.py", folder / "__init__.py", *modules]
+    whole = {folder}
+    todo += [path for path in _files(folder) if path.suffix != ".py"]
+    while todo:
+        path = todo.pop()
+        home = folder if path.is_relative_to(folder) else root / path.relative_to(root).parts[0]
+        name = f"{home.name}/{path.relative_to(home).as_posix()}" if home != path else path.name
+        if name in found or not path.is_file():
+            continue
+        found[name] = path
+        if home not in (root / KIT, path) and home not in whole:
+            whole.add(home)
+            todo += _files(home)
+        if path.suffix == ".py":
+            todo += _imports(path, home if home != path else root, root)
+    return dict(sorted(found.items()))
+
+
+def _imports(path: Path, home: Path, root: Path) -> Iterator[Path]:
+    """Where the modules may lie that `path`, a file of the folder `home`, imports relatively; not all of them are there."""
+    depth = len(path.relative_to(home).parts)  # the level that means `home`
+    for level, module, names in _statements(path.read_text(encoding="utf-8")):
+        if not 0 < level <= depth + 1:
+            continue
+        base = path.parents[level - 1] if level <= depth else root
+        words = module.split(".") if module else []
+        for place in [words, *([*words, name] for name in names)]:
+            if not place:
+                continue
+            for stop in range(1, len(place) + 1):  # importing a.b runs the packages on the way too
+                yield base.joinpath(*place[:stop], "__init__.py")
+            yield base.joinpath(*place).with_suffix(".py")
+
+
+@functools.lru_cache(maxsize=256)
+def _statements(text: str) -> list[tuple[int, str, list[str]]]:
+    """The imports in a module's text: level (0: absolute), the module named after `from` ("" without), the names imported."""
+    nodes = list(ast.walk(ast.parse(text)))
+    found = [(0, "", [alias.name for alias in node.names]) for node in nodes if isinstance(node, ast.Import)]
+    return found + [
+        (node.level, node.module or "", [alias.name for alias in node.names])
+        for node in nodes
+        if isinstance(node, ast.ImportFrom)
+    ]
+
+
+def _modules(folder: Path) -> list[Path]:
+    return [path for path in _files(folder) if path.suffix == ".py"]
 
 
 def _files(folder: Path) -> Iterator[Path]:
@@ -93,49 +133,3 @@ def _files(folder: Path) -> Iterator[Path]:
             and not any(part.startswith(".") for part in inside)
         ):
             yield path
-
-
-def _unreached(folder: Path) -> set[Path]:
-    """The modules in a component's folder that its face does not import, directly or through others."""
-    modules = {path for path in _files(folder) if path.suffix == ".py"}
-    reached, todo = {folder / "__init__.py"}, [folder / "fmu.py"]
-    while todo:
-        path = todo.pop()
-        if path in reached or path not in modules:
-            continue
-        reached.add(path)
-        level = len(path.relative_to(folder).parts)  # the level that means the component's folder
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"), filename=str(path))):
-            if isinstance(node, ast.ImportFrom) and 0 < node.level <= level:
-                here = path.parents[node.level - 1]
-                names = [node.module] if node.module else [alias.name for alias in node.names]
-                todo += [here / f"{name.replace('.', '/')}.py" for name in names]
-                todo += [here / name.replace(".", "/") / "__init__.py" for name in names]
-    return modules - reached
-
-
-def _sibling_imports(path: Path, folder: Path) -> Iterator[str]:
-    """Yield "first.module" for each relative import of `path` that leads out of `folder`."""
-    if path.suffix != ".py":
-        return
-    up = len(path.relative_to(folder).parts) + 1  # the level that means the package root
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"), filename=str(path))):
-        if isinstance(node, ast.ImportFrom) and node.level == up:
-            if node.module and "." in node.module:
-                yield node.module
-            for alias in node.names:
-                yield f"{node.module}.{alias.name}" if node.module else alias.name
-
-
-def _kit_files(kit: Path, modules: set[str]) -> list[Path]:
-    """Return the files of kit that `modules` need, themselves included."""
-    found, todo = {kit / "__init__.py"}, {module.partition(".")[0] for module in modules}
-    while todo:
-        path = kit / f"{todo.pop()}.py"
-        if path in found or not path.is_file() or path.name in BUILD_ONLY:
-            continue
-        found.add(path)
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.level == 1:
-                todo |= {node.module} if node.module else {alias.name for alias in node.names}
-    return sorted(found)

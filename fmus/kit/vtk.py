@@ -71,11 +71,15 @@ def array(name: str, values: NDArray[np.generic], exact: bool = False) -> str:
 
 
 def _save(path: Path, kind: str, body: str) -> Path:
-    temporary = path.with_suffix(path.suffix + ".part")
-    temporary.write_text(
-        f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">'
-        f"{body}</VTKFile>\n",
-        encoding="ascii",
-    )
-    os.replace(temporary, path)
+    hidden = path.with_name(f".{path.name}.part-{os.getpid()}")
+    try:
+        hidden.write_text(
+            f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">'
+            f"{body}</VTKFile>\n",
+            encoding="ascii",
+        )
+        os.replace(hidden, path)
+    except BaseException:
+        hidden.unlink(missing_ok=True)
+        raise
     return path

@@ -29,6 +29,8 @@ from .signals import Array, product, rise
 
 LOW, HIGH = 35.0, 105.0
 """Band of flutter motions of the sections of this project [rad/s]."""
+DISTINCT = 1e-6
+"""Two modes are two where the least part of a state that they can take over is above this share of the largest."""
 COMMON = 3  # the random stream that all coordinates share, after those of plunge, pitch and surge
 
 
@@ -230,10 +232,15 @@ def released(
     # columns: real and imaginary part of each mode's pitch; rows: plunge, pitch and their rates at the release
     columns = [np.array([s * c, c, rate * s * c, rate * c]).real for rate, s in modes for c in (1.0, 1j)]
     state = forced(np.array([end]))[:2, 0]
-    try:
-        sizes = np.linalg.solve(np.stack(columns, axis=1), [0.0, state[0], 0.0, state[1]])
-    except np.linalg.LinAlgError:
-        raise ExcitationError("released: the two modes are the same. Remedy: other frequencies or ratios") from None
+    system = np.stack(columns, axis=1)
+    # in units of the forced motion and of the larger plunge, so that what is small is small on any machine
+    plunge = max(abs(first.ratio), abs(second.ratio)) or 1.0
+    scaled = system / np.array([plunge, 1.0, plunge * frequency, frequency])[:, None]
+    spread = np.linalg.svd(scaled / np.linalg.norm(scaled, axis=0), compute_uv=False)
+    _check(
+        bool(spread[-1] > DISTINCT * spread[0]), "released: the two modes are the same, or nearly", "other frequencies or ratios"
+    )
+    sizes = np.linalg.solve(system, [0.0, state[0], 0.0, state[1]])
     # free modes are needed from the blend on alone; before it, a decaying one would be of any size
     late = np.maximum(t - end, -width)
     free = np.zeros((2, 3, times.size))

@@ -15,6 +15,7 @@ Baselines are the same model with less: without corrections ("bilinear"), withou
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -78,10 +79,14 @@ class Network:
 def write_archive(path: Path, about: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
     """A numpy archive (no pickles) of `arrays` and the JSON text `about`, whole or not at all."""
     text = json.dumps(about, sort_keys=True).encode()
-    part = path.with_name(f".{path.name}.part")
-    with part.open("wb") as file:
-        np.savez_compressed(file, text=np.frombuffer(text, np.uint8), **arrays)  # type: ignore[arg-type]
-    part.replace(path)
+    part = path.with_name(f".{path.name}.part-{os.getpid()}")
+    try:
+        with part.open("wb") as file:
+            np.savez_compressed(file, text=np.frombuffer(text, np.uint8), **arrays)  # type: ignore[arg-type]
+        part.replace(path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def untrained(name: str, bilinear: bool) -> Network:

@@ -21,6 +21,7 @@ from scipy.linalg import expm
 
 Array = NDArray[np.float64]
 CACHED_STEPS = 256
+SINGULAR = 1e-9  # a mass matrix whose determinant is below this share of its products is taken for singular
 
 
 class SectionError(ValueError):
@@ -66,7 +67,7 @@ class Section:
             ]
         )
         self.K: Array = np.diag([data.mass * data.omega_h**2, data.inertia * data.omega_alpha**2 + data.liquid_stiffness])
-        if not (mass > 0.0 and mass * inertia > imbalance**2):
+        if not (mass > 0.0 and mass * inertia > (1.0 + SINGULAR) * imbalance**2):
             raise SectionError(
                 f"the mass matrix is not positive definite: mass {mass:g} kg/m, inertia {inertia:g} kg m, "
                 f"static imbalance {imbalance:g} kg (liquid included). Remedy: inertia must be above "

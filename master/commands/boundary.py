@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time as clock
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, flutter, outcome, slosh, trust, vg
+from master import boundary_case, disk, flutter, interrupts, outcome, slosh, trust, vg
 from master.boundary import BoundaryPoint
 from master.case import Case
 from master.commands import common
-from master.errors import ExitCode
+from master.errors import AeroSloshError, ExitCode, InternalError, show
 from master.flutter import March
 from master.progress import Progress
 from master.record import RunFolder, provenance, write_history
 from master.rig import FlutterRig, find_fmus
 from master.wording import plus_minus
 
+GRAVITY = (ExitCode.OK, ExitCode.UNDETERMINED, ExitCode.INPUT, ExitCode.INCOMPLETE, ExitCode.COMPONENT, ExitCode.INTERNAL)
 PUBLISHED = Path(__file__).resolve().parents[1] / "published.csv"
 
 
@@ -48,39 +50,103 @@ def execute(options: argparse.Namespace) -> int:
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         told = common.tell(options, [case], "boundary", folder.log)
-        begin = clock.perf_counter(), clock.process_time()
-        points, hashes = _solve(case, fmus, folder, progress)
-        folder.keep()
-        cost = {"wall_seconds": clock.perf_counter() - begin[0], "cpu_seconds": clock.process_time() - begin[1]}
-        rows = [{"slosh": case.slosh.model} | outcome.point_data(p) for p in points]
-        data: dict[str, Any] = {"slosh": case.slosh.model, "points": rows, "cost": cost} | told
-        low, high = case.boundary.V_f_range
-        if case.output.pictures:
-            from master import boundary_plot, vg_plot
-
-            published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
-            boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
-            for p in points:
-                vg_plot.draw(p, low, high, folder.path / f"vg_M{p.mach:g}.png")
-        for p in points:
-            vg.write(p, low, high, folder.path / f"modes_M{p.mach:g}.csv")
-        folder.write_result(data | {"provenance": provenance(hashes)})
-        summary = outcome.boundary_summary(rows)
+        kept = Kept(case, folder, told)
+        try:
+            points = _solve(case, fmus, kept, progress)
+        except OSError as error:
+            raise kept.unwritable(error) from None
+        except KeyboardInterrupt as stop:
+            stop.add_note(kept.told())
+            raise
+        data = kept.data()
+        summary = outcome.boundary_summary(data["points"])
         folder.log("\n" + summary)
-        spent = f"{cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU"
+        spent = f"{data['cost']['wall_seconds']:.1f} s wall, {data['cost']['cpu_seconds']:.1f} s CPU"
         label = slosh.LABEL[case.slosh.model]
         if case.boundary.method == "linear" and case.slosh.model not in ("none", "frozen"):
             label += ", carried frozen by the linear method"
         text = f"Flutter boundary of {case.name}, {label}\n{summary}\n  cost         {spent}"
-        common.print_result(options, data, text, folder)
+        with common.printed(options, data, text, folder):
+            if case.output.pictures:
+                from master import boundary_plot, vg_plot
+
+                published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
+                boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
+                for p in points:
+                    vg_plot.draw(p, *kept.range, folder.path / f"vg_M{p.mach:g}.png")
         return _exit_code(points)
 
 
-def _solve(
-    case: Case, fmus: dict[str, Path], folder: RunFolder, progress: Progress
-) -> tuple[list[BoundaryPoint], dict[str, str]]:
-    """The points, and the hashes of the FMUs used; each march said as it ends, each point's histories written."""
-    hashes: dict[str, str] = {}
+class Kept:
+    """The results of the Mach numbers so far, on the disk after each of them: `result.json`, and the histories of its marches.
+
+    The folder has its own name from the first one on; what comes later changes nothing of what is there."""
+
+    def __init__(self, case: Case, folder: RunFolder, told: dict[str, Any]) -> None:
+        self.case, self.folder, self.hashes, self._told = case, folder, dict[str, str](), told
+        self._rows: list[dict[str, Any]] = []
+        self._finished = self._written = 0
+        self._begin = clock.perf_counter(), clock.process_time()
+
+    def data(self) -> dict[str, Any]:
+        """For JSON; `unfinished` names the Mach numbers that are still to be computed."""
+        cost = {"wall_seconds": clock.perf_counter() - self._begin[0], "cpu_seconds": clock.process_time() - self._begin[1]}
+        return {
+            "slosh": self.case.slosh.model,
+            "points": self._rows,
+            "unfinished": self.case.boundary.mach[self._finished :],
+            "cost": cost,
+        } | self._told
+
+    def add(self, point: BoundaryPoint) -> None:
+        """A Mach number is done, or interrupted with some marches. Raises OSError; what was kept before stays."""
+        with interrupts.held():
+            self._add(point)
+
+    def _add(self, point: BoundaryPoint) -> None:
+        self._finished += not point.interrupted
+        self._rows.append({"slosh": self.case.slosh.model} | _row(point))
+        about = provenance(self.hashes)
+        self.folder.write_result(self.data() | {"provenance": about})
+        self._written = self._finished
+        self.folder.publish()
+        for march in point.marches:
+            name = f"history_M{point.mach:g}_Vf{march.scales.V_f:.4f}.nc"
+            write_history(self.folder.path / name, march, about)
+        vg.write(point, *self.range, self.folder.path / f"modes_M{point.mach:g}.csv")
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The V_f searched."""
+        low, high = self.case.boundary.V_f_range
+        return low, high
+
+    def told(self) -> str:
+        """How much is kept, and how to go on."""
+        left = self.case.boundary.mach[self._written :]
+        more = f"; the others: --mach {' '.join(f'{m:g}' for m in left)}" if left else ""
+        return f"{self._written} of {len(self.case.boundary.mach)} Mach numbers are finished and kept{more}"
+
+    def unwritable(self, error: OSError) -> AeroSloshError:
+        """What a user is told when the disk does not take a result."""
+        return disk.explained(error, self.folder.target, f"free space, or give another folder with --out; {self.told()}")
+
+
+def _row(point: BoundaryPoint) -> dict[str, Any]:
+    """The data of a point; of one that cannot be told, which from then on has failed, that it cannot."""
+    try:
+        row = outcome.point_data(point)
+        json.dumps(row, allow_nan=False)
+    except Exception as error:
+        point.failure, point.converged = InternalError(error, f"Mach {point.mach:g}"), False
+        point.outcome = f"failed: {point.failure.what}"
+        return outcome.point_data(BoundaryPoint(point.mach, [], [], point.outcome, False))
+    return row
+
+
+def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) -> list[BoundaryPoint]:
+    """The points; each march said as it ends, each point kept."""
+    folder = kept.folder
 
     def before_march(rig: FlutterRig, V_f: float) -> flutter.Watcher:
         progress.start(f"M {rig.mach:g} V_f {V_f:.4g}")
@@ -96,26 +162,26 @@ def _solve(
 
     def on_point(found: BoundaryPoint) -> None:
         common.say(f"Mach {found.mach:g}: {outcome.point_data(found)['outcome']}", folder, progress)
-        for march in found.marches:
-            name = f"history_M{found.mach:g}_Vf{march.scales.V_f:.4f}.nc"
-            write_history(folder.path / name, march, provenance(hashes))
+        if found.failure is not None:
+            folder.log(f"{found.failure}\n{found.failure.traceback}")
+        kept.add(found)
 
     def say(text: str) -> None:
         common.say(text, folder, progress)
 
     def on_rig(rig: FlutterRig) -> None:
-        hashes.update(rig.hashes())
+        kept.hashes.update(rig.hashes())
 
-    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig), hashes
+    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig)
 
 
 def _exit_code(points: list[BoundaryPoint]) -> int:
-    """What scripts learn; failures are shown."""
+    """What scripts learn; failures are shown, the gravest decides."""
+    codes = [ExitCode.OK if all(trust.decided(p) for p in points) else ExitCode.UNDETERMINED]
     for p in points:
         if p.failure is not None and p.converged:  # a march failed, the search went round it: its log tells more
             print(f"note: Mach {p.mach:g}: {p.failure.what}", file=sys.stderr)
         elif p.failure is not None:
-            common.show(p.failure)
-    if any(p.failure is not None and not p.converged for p in points):
-        return ExitCode.COMPONENT
-    return ExitCode.OK if all(trust.decided(p) for p in points) else ExitCode.UNDETERMINED
+            show(p.failure)
+            codes.append(p.failure.code)
+    return max(codes, key=GRAVITY.index)

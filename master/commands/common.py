@@ -7,7 +7,8 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,21 +17,12 @@ from master import case_checks, checkpoint, plausible
 from master.case import Case
 from master.checkpoint import Checkpoint, Keeper
 from master.component import Component
-from master.errors import AeroSloshError, ComponentError
+from master.errors import AeroSloshError
 from master.progress import Progress
 from master.record import RunFolder
 
 EVERY = 500  # steps between two checkpoints
 DOUBTS = 5  # warnings shown of a sweep's points
-
-
-def show(error: AeroSloshError) -> None:
-    """An error on standard error; a component's with its own traceback."""
-    print(f"aeroslosh: {error}", file=sys.stderr)
-    if isinstance(error, ComponentError) and error.traceback:
-        print(f"  {error.component} says:", file=sys.stderr)
-        for line in error.traceback.strip().splitlines():
-            print(f"    | {line}", file=sys.stderr)
 
 
 def add_case(sub: argparse.ArgumentParser) -> None:
@@ -140,9 +132,16 @@ def log_messages(components: Iterable[Component], folder: RunFolder) -> None:
         component.messages.clear()
 
 
-def print_result(options: argparse.Namespace, data: dict[str, Any], summary: str, folder: RunFolder) -> None:
-    """JSON for programs, the summary for people."""
-    if options.json:
-        print(json.dumps(data, allow_nan=False))
-    else:
-        print(f"{summary}\n  run folder   {os.path.relpath(folder.target)}")
+@contextmanager
+def printed(options: argparse.Namespace, data: dict[str, Any], summary: str, folder: RunFolder) -> Iterator[None]:
+    """JSON for programs, the summary for people, after the block that writes the files; also where that fails."""
+    try:
+        yield
+    except Exception:
+        _print(options, data, summary)
+        raise
+    _print(options, data, f"{summary}\n  run folder   {os.path.relpath(folder.target)}")
+
+
+def _print(options: argparse.Namespace, data: dict[str, Any], text: str) -> None:
+    print(json.dumps(data, allow_nan=False) if options.json else text)

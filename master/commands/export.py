@@ -121,7 +121,7 @@ def _from_case(options: argparse.Namespace) -> Coupled:
     overrides = [f"{key}={value}" for key, value in given.items() if value is not None]
     case = cases.load(options.path, [*options.set, *overrides], "point")
     common.tell(options, [case], "point", lambda text: None)
-    fmus = find_fmus(options.fmus, case.slosh.model)
+    fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     return ssp_system.from_case(case, fmus, options.prediction, Progress(options.json).say)
 
 

@@ -10,7 +10,7 @@ from master import case as cases
 from master import checkpoint, flutter, fmu_cache, outcome, pvd, slosh, trust
 from master.case import Case
 from master.commands import common
-from master.errors import ExitCode
+from master.errors import ExitCode, show
 from master.progress import Progress
 from master.record import RunFolder, provenance, write_history
 from master.rig import FlutterRig, find_fmus
@@ -62,16 +62,18 @@ def execute(options: argparse.Namespace) -> int:
             data = outcome.march_data(march, rig.steady_cpu) | told
             common.log_messages(rig.system.components, folder)
         folder.keep()  # a failed march's history is worth keeping
-        folder.log(outcome.march_summary(data))
-        write_history(folder.path / "history.nc", march, about)
-        if fields is not None and march.fields:
-            pvd.write_beside(fields, {pvd.number(path): tau / march.scales.omega_alpha for tau, path in march.fields})
-        _draw(case, march, folder, progress)
-        folder.write_result(data | {"provenance": about})
-        common.print_result(options, data, outcome.march_summary(data), folder)
+        summary = outcome.march_summary(data)
+        folder.log(summary)
         if march.failure is not None:
             folder.log(f"{march.failure}\n{march.failure.traceback}")
-            common.show(march.failure)
+        with common.printed(options, data, summary, folder):
+            write_history(folder.path / "history.nc", march, about)
+            folder.write_result(data | {"provenance": about})
+            if fields is not None and march.fields:
+                pvd.write_beside(fields, {pvd.number(path): tau / march.scales.omega_alpha for tau, path in march.fields})
+            _draw(case, march, folder, progress)
+        if march.failure is not None:
+            show(march.failure)
             return ExitCode.COMPONENT
         return ExitCode.UNDETERMINED if trust.verdict(march) is Verdict.UNDETERMINED else ExitCode.OK
 

@@ -12,7 +12,7 @@ from master import assembly as assemblies
 from master import drive, simulation
 from master.assembly import Assembly
 from master.commands import common
-from master.errors import ExitCode
+from master.errors import ExitCode, show
 from master.progress import Progress
 from master.record import RunFolder, provenance
 from master.simulation import Simulation
@@ -37,7 +37,7 @@ def execute(options: argparse.Namespace) -> int:
     progress = Progress(options.quiet or options.json)
     files = assemblies.find(assembly, options.fmus)
     with RunFolder(options.out or Path("runs") / f"{assembly.name}_run") as folder:
-        (folder.path / "case.toml").write_text(assemblies.dump(assembly), encoding="utf-8")
+        folder.write_settings(assemblies.dump(assembly))
         system = assemblies.build(assembly, files)
         try:
             hashes = {c.name: c.sha256 for c in system.everyone}
@@ -54,17 +54,16 @@ def execute(options: argparse.Namespace) -> int:
         finally:
             system.close()
         folder.keep()
-        about = provenance(hashes)
-        simulation.write_history(folder.path / "history.nc", result, about)
-        data = simulation.data(result)
-        folder.write_result(data | {"provenance": about})
-        if assembly.run.pictures and not options.no_pictures:
-            _draw(folder.path / "histories.png", result)
+        about, data = provenance(hashes), simulation.data(result)
         text = _summary(assembly, data)
         folder.log(text)
-        common.print_result(options, data, text, folder)
+        with common.printed(options, data, text, folder):
+            simulation.write_history(folder.path / "history.nc", result, about)
+            folder.write_result(data | {"provenance": about})
+            if assembly.run.pictures and not options.no_pictures:
+                _draw(folder.path / "histories.png", result)
         if result.failure is not None:
-            common.show(result.failure)
+            show(result.failure)
             return ExitCode.COMPONENT
         return ExitCode.OK if result.converged else ExitCode.UNDETERMINED
 

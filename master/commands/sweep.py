@@ -104,11 +104,11 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             _forecast(pool, left, progress)
             sweep.run(wanted, store, pool, " ".join(sys.argv), progress.show, on_product)
         return report.conclude(options, wanted, store, clock.perf_counter() - begin, told)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         kept = len(wanted.points) - len(store.left(wanted))
         said = f"interrupted; {kept} of {len(wanted.points)} points are finished and kept, --resume goes on"
         print(f"\naeroslosh: {said}", file=sys.stderr)
-        return ExitCode.INTERRUPTED
+        return getattr(stop, "code", ExitCode.INTERRUPTED)
     finally:
         if pool is not None:
             pool.close()

@@ -59,7 +59,7 @@ def execute(options: argparse.Namespace) -> int:
     progress, t = Progress(options.quiet or options.json), case.training
     folder_of_records = options.records or Path("runs") / f"{case.name}_records"
     with RunFolder(options.out or Path("runs") / f"{case.name}_train") as folder:
-        (folder.path / "case.toml").write_text(training_case.dump(case), encoding="utf-8")
+        folder.write_settings(training_case.dump(case))
 
         def say(text: str) -> None:
             common.say(text, folder, progress)

@@ -67,18 +67,13 @@ def make(fmu: Path, folder: Path) -> list[Path]:
 
 def _draw(path: Path, title: str, inputs: Columns, outputs: Columns, units: Mapping[str, str]) -> None:
     """Inputs (positions and loads) and outputs over time."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    # the same picture is the same file; texts stay texts
-    matplotlib.rcParams.update({"svg.hashsalt": "aeroslosh", "svg.fonttype": "none"})
-    from matplotlib import pyplot
+    from master import canvas
 
     shown = {name: column for name, column in inputs.items() if name != "time" and not name.endswith("dot")}
     panels = [(inputs["time"], name, column, "C7") for name, column in shown.items()]
     panels += [(outputs["time"], name, column, "C0") for name, column in outputs.items() if name != "time"]
     rows = -(-len(panels) // 2)
-    figure, axes = pyplot.subplots(rows, 2, figsize=(9.0, 1.6 * rows + 0.6), sharex=True, squeeze=False, layout="constrained")
+    figure, axes = canvas.subplots(rows, 2, figsize=(9.0, 1.6 * rows + 0.6), sharex=True, squeeze=False, layout="constrained")
     for axis, (times, name, column, colour) in zip(axes.flat, panels, strict=False):
         axis.plot(times, column, color=colour, lw=1.2)
         axis.set_ylabel(f"{name} [{units[name]}]", fontsize=8)
@@ -90,9 +85,10 @@ def _draw(path: Path, title: str, inputs: Columns, outputs: Columns, units: Mapp
         axis.set_xlabel("time [s]", fontsize=8)
     figure.suptitle(title, fontsize=10)
     picture = io.BytesIO()
-    figure.savefig(picture, format="svg", metadata={"Date": None})
+    # the same picture is the same file; texts stay texts
+    with canvas.rc_context({"svg.hashsalt": "aeroslosh", "svg.fonttype": "none"}):
+        figure.savefig(picture, format="svg", metadata={"Date": None})
     atomic.write(path, picture.getvalue())
-    pyplot.close(figure)
 
 
 def _text(columns: Columns) -> str:

@@ -45,7 +45,6 @@ def draw(table: Sequence[dict[str, Any]], kind: str, names: Sequence[str], grid:
                 axis.set_visible(False)
         picture = io.BytesIO()
         figure.savefig(picture, format="png")
-        plt.close(figure)
     return picture.getvalue()
 
 

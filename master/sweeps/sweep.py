@@ -12,7 +12,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import datetime
-import errno
 import fcntl
 import hashlib
 import json
@@ -25,6 +24,7 @@ from pathlib import Path
 from typing import Protocol
 
 from master import atomic
+from master.disk import FULL
 from master.errors import AeroSloshError, ExitCode
 from master.sweeps import jobs, point_file
 from master.sweeps.jobs import Job, Probe, Product
@@ -34,7 +34,6 @@ from master.sweeps.workers import Events
 
 LOCK = "ledger.lock"
 TRIES = 2  # a point whose worker died is computed once more
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class Pool(Protocol):

@@ -11,7 +11,6 @@ import socket
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,18 +20,19 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
+sys.path.insert(0, str(Path(__file__).parent))
+from processes import COMMAND, QUICK, started, until
+
 from master import cli
 from master.errors import AeroSloshError
 from master.sweeps import point_file
 
 CASES = Path(__file__).parents[2] / "cases"
-QUICK = ("--set", "flow.mach=0.3", "--set", "flutter.steps_per_cycle=72", "--set", "flutter.forced_cycles=1.0", "--no-pictures")
 LONG = ("--set", "flutter.free_cycles=20.0")  # a point takes long enough to be killed in
 SMALL = (
     "--set", "aero.cells_around=64", "--set", "aero.cells_normal=16", "--set", "flutter.steps_per_cycle=72",
     "--set", "flutter.forced_cycles=1.0", "--set", "flutter.free_cycles=2.0", "--no-pictures",
 )  # fmt: skip
-COMMAND = [sys.executable, "-m", "master.cli"]
 
 
 def sweep(out: Path, fmus: Path, *arguments: str, case: str = "isogai_a") -> list[str]:
@@ -78,15 +78,6 @@ def without_cost(data: Any) -> Any:
     return [without_cost(value) for value in data] if isinstance(data, list) else data
 
 
-def until(condition: Callable[[], Any], seconds: float = 60.0) -> Any:
-    """Wait for `condition`; its value."""
-    deadline = time.monotonic() + seconds
-    while not (value := condition()):
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
-    return value
-
-
 def children(pid: int) -> list[int]:
     """Processes started by `pid`."""
     try:
@@ -101,22 +92,6 @@ def alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except OSError:
         return False
-
-
-@contextmanager
-def started(command: list[str]) -> Iterator[subprocess.Popen[str]]:
-    """The command at work; killed at the end at the latest."""
-    # a shell starts what runs in the background with interrupts ignored, which a child would inherit: not so here
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    finally:
-        signal.signal(signal.SIGINT, before)
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 @pytest.fixture(scope="module")

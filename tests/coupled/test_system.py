@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from master import fmu_cache
+from master import fmu_cache, rig
+from master.case import Case
 from master.component import Component
 from master.errors import AeroSloshError, ComponentError
+from master.rig import FlutterRig, find_fmus
 from master.system import System, wires
 
 
@@ -101,6 +103,66 @@ def test_unzipped_once_to_a_plain_folder(doubles: Path, tmp_path: Path, monkeypa
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "é #%20"))
     elsewhere, _ = fmu_cache.unzip(doubles / "link.fmu")
     assert str(elsewhere).isascii() and "#" not in str(elsewhere)
+
+
+def test_a_damaged_copy_heals(doubles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever of an unzipped FMU is changed, cut short or gone; Python's compiled files too, which no archive holds."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder, _ = fmu_cache.unzip(doubles / "link.fmu")
+    whole = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    script = next(path for path in whole if path.suffix == ".py")
+    binary = next(path for path in whole if path.suffix == ".so")
+    compiled = folder / script.parent / "__pycache__" / "half.cpython-311.pyc"
+    for name in (script, binary, Path("modelDescription.xml")):
+        content = bytearray(whole[name])
+        content[len(content) // 2] ^= 1
+        for damage in (bytes(content), whole[name][:-1], None):
+            compiled.parent.mkdir(exist_ok=True)
+            compiled.write_bytes(b"0" * 20)
+            (folder / name).unlink()
+            if damage is not None:
+                (folder / name).write_bytes(damage)
+            assert fmu_cache.unzip(doubles / "link.fmu")[0] == folder
+            assert {path: (folder / path).read_bytes() for path in whole} == whole
+            assert not compiled.exists() and not list(folder.parent.glob(".*"))
+    compiled.parent.mkdir(exist_ok=True)
+    compiled.write_bytes(b"0" * 20)
+    fmu_cache.unzip(doubles / "link.fmu")
+    assert not compiled.exists()
+    broken = tmp_path / "broken.fmu"
+    content = bytearray((doubles / "link.fmu").read_bytes())
+    content[len(content) // 3] ^= 0xFF
+    broken.write_bytes(content)
+    with pytest.raises(AeroSloshError, match="damaged"):
+        fmu_cache.unzip(broken)
+
+
+@pytest.mark.parametrize("cause", ["wires", "coupling", "surrogate", "steady"])
+def test_a_rig_that_cannot_be_assembled_leaves_no_instance(
+    flutter_fmus: Path, monkeypatch: pytest.MonkeyPatch, cause: str
+) -> None:
+    case, fmus = Case(), find_fmus(flutter_fmus, "ems")
+    case.slosh.model, case.slosh.predictor = "ems", "none"
+    if cause == "wires":
+        monkeypatch.setattr(rig, "WIRES", rig.WIRES + "structure.h -> aero.nothing\n")
+    elif cause == "coupling":
+        case.coupling.substeps = {"nobody": 2}
+    elif cause == "surrogate":
+        case.slosh.predictor, fmus["slosh_ems"] = "rbf", fmus["slosh_ems"]
+        fmus["slosh_rbf"] = flutter_fmus / "no.fmu"
+    else:
+        case.flow.airfoil = "UNSTEADY 1"
+    made: list[Component] = []
+    instantiate = Component._instantiate
+
+    def counted(self: Component) -> None:
+        made.append(self)
+        instantiate(self)
+
+    monkeypatch.setattr(Component, "_instantiate", counted)
+    with pytest.raises(AeroSloshError):
+        FlutterRig(case, fmus, 0.3)
+    assert len(made) == 3 and {component.state for component in made} == {"freed"}
 
 
 def test_a_failing_step_tells_the_fmu_s_own_words(doubles: Path) -> None:

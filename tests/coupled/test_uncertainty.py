@@ -14,6 +14,7 @@ from master.case import Case
 from master.confirm import Confirm
 from master.errors import AeroSloshError
 from master.rig import FlutterRig, find_fmus
+from master.roots import Crossing
 from master.uncertainty import Spread
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -72,6 +73,19 @@ def test_three_meshes_and_the_number_of_marches_are_told(flutter_fmus: Path) -> 
     assert f"({len(point.marches)} marches)" in data["outcome"]
     summary = outcome.boundary_summary([data])
     assert "error bar of" in summary and "step " in summary and "112 x 32" in summary
+
+
+@pytest.mark.parametrize("slope", [0.0, 1e-12, -1e-9, math.nan])
+def test_a_growth_rate_that_does_not_change_tells_no_part(flutter_fmus: Path, slope: float) -> None:
+    """Newton's step would divide by it."""
+    said: list[str] = []
+    crossing = Crossing(2.3, 2.5, "onset", slope, True, {"fit": 1e-3}, met=True)
+    with FlutterRig(case_of(100), find_fmus(flutter_fmus), MACH) as rig:
+        spread = Spread(case_of(100), MACH, rig, lambda of, mach: rig, sample, said.append)
+        wide = spread.widened(crossing, [flutter.march(rig, 2.3)])
+        alone = spread.widened(crossing, [])
+    assert wide.missing == alone.missing == ("step", "amplitude", "mesh") and wide.parts == {"fit": 1e-3}
+    assert not spread.marches and "hardly changes with V_f" in said[0]
 
 
 def test_a_part_that_cannot_be_had_is_named(flutter_fmus: Path) -> None:

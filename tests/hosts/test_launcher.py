@@ -32,7 +32,7 @@ def test_environment(launch: list[str]) -> None:
     """This Python's library and folder in front of what is there; nothing else is changed."""
     library, folder = str(hosting.libpython()), str(Path(sys.executable).parent)
     given = clean(LD_PRELOAD="libm.so.6", PATH="/usr/bin:/bin", PYTHONHOME="")
-    given.pop("OPENBLAS_NUM_THREADS", None)  # which the package `master` sets, here and in the launcher
+    given.pop("OPENBLAS_NUM_THREADS", None)  # which the command `aeroslosh` sets, and nothing else
     before = subprocess.run(["env"], capture_output=True, text=True, env=given).stdout
     printed = subprocess.run([*LAUNCH, "env"], capture_output=True, text=True, env=given).stdout
     after = dict(line.partition("=")[::2] for line in printed.splitlines() if "=" in line)

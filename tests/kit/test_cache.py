@@ -67,6 +67,40 @@ def test_folders_and_package_names_share_one_compilation_until_a_kernel_changes(
     assert result(start(edited, "x_3", cache)) == (20.0, 0, 1)
 
 
+SHARED = """
+from {kit} import jit
+from .constants import FACTOR
+
+@jit
+def scaled_sum(values):
+    return FACTOR * values.sum()
+"""
+NO_LOCATOR = (
+    "from numba.core import caching; del caching._CacheLocator\n"
+    "from sources.kit import cache; cache._cache_class.cache_clear()\n"
+    "import importlib; importlib.reload(sums)"
+)
+
+
+@pytest.mark.parametrize("before", ["", NO_LOCATOR], ids=["own cache", "another numba"])
+def test_a_constant_of_another_module_is_never_stale(tmp_path: Path, before: str) -> None:
+    """Kernels of a shared folder, which has no face; the constant lies beside them, the compiler's options in kit."""
+    cache, tree = tmp_path / "cache", copy(tmp_path / "tree", "sources")
+    root, shared = tree / "sources", tree / "sources" / "kernels"
+    (shared / "fmu.py").unlink()
+    (shared / "sums.py").write_text(SHARED.format(kit="..kit.compiled"))
+    (shared / "constants.py").write_text("FACTOR = 2.0\n")
+    assert result(start(tree, "sources", cache, before=before))[0] == 20.0
+    if not before:
+        assert result(start(tree, "sources", cache)) == (20.0, 1, 0)
+    (shared / "constants.py").write_text("FACTOR = 3.0\n")
+    assert result(start(tree, "sources", cache, before=before))[0] == 30.0
+    if not before:
+        with (root / "kit" / "compiled.py").open("a") as file:
+            file.write("\n_FAST.clear()\n")
+        assert result(start(tree, "sources", cache)) == (30.0, 0, 1)
+
+
 def test_racing_processes_get_their_own_code(tmp_path: Path) -> None:
     tree, cache = copy(tmp_path / "tree", "sources"), tmp_path / "cache"
     kinds = ["f8", "f4", "i8"]
@@ -75,21 +109,24 @@ def test_racing_processes_get_their_own_code(tmp_path: Path) -> None:
         assert [result(process)[0] for process in racing] == [20.0] * 3
 
 
+def test_a_cache_that_cannot_take_more_ends_nothing(tmp_path: Path) -> None:
+    """As on a full disk: no file may grow."""
+    tree = copy(tmp_path / "tree", "sources")
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))"
+    assert result(start(tree, "sources", tmp_path / "cache", before=limit))[0] == 20.0
+    assert result(start(tree, "sources", tmp_path / "cache")) == (20.0, 0, 1)
+
+
 @pytest.mark.parametrize(
     ("environment", "before"),
     [
         ({"XDG_CACHE_HOME": "/dev/null/no", "LOCALAPPDATA": "/dev/null/no"}, ""),
         ({"NUMBA_DISABLE_JIT": "1"}, ""),
-        (
-            {},
-            "from numba.core import caching; del caching._CacheLocator\n"
-            "from {package}.kit import cache; cache._cache_class.cache_clear()\n"
-            "import importlib; importlib.reload(sums)",
-        ),
+        ({}, NO_LOCATOR),
     ],
     ids=["folder cannot be written", "no compilation", "another numba"],
 )
 def test_without_its_cache_the_kernel_still_runs(tmp_path: Path, environment: dict[str, str], before: str) -> None:
     tree = copy(tmp_path / "tree", "sources")
-    process = start(tree, "sources", tmp_path / "cache", before=before.format(package="sources"), **environment)
+    process = start(tree, "sources", tmp_path / "cache", before=before, **environment)
     assert result(process)[0] == 20.0

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
+import re
+import shutil
 from pathlib import Path
 
 import pytest
 
 from fmus.kit import sources
-from fmus.kit.build import BuildError, components, face_name
+from fmus.kit.build import ROOT, BuildError, components, face_name
 
 
 @pytest.fixture
@@ -57,6 +60,7 @@ def test_files_are_the_component_what_it_shares_and_what_it_needs_of_kit(tree: P
         ("a/weights.csv", True, True),
         ("tank/liquid.py", True, True),
         ("kit/cache.py", True, True),
+        ("kit/sources.py", True, True),  # kit's cache imports it
         ("kit/slave.py", True, False),
         ("a/fmu.py", True, False),
         ("kit/build.py", False, False),
@@ -74,6 +78,92 @@ def test_hashes_follow_the_content(tree: Path, changed: str, fmu: bool, kernels:
         file.write("\n# changed\n")
     after = hashes()
     assert (before[0] != after[0], before[1] != after[1]) == (fmu, kernels)
+
+
+def test_every_form_of_import_is_followed(tree: Path) -> None:
+    for name, text in {
+        "a/fmu.py": "from ..kit.slave import Slave\nfrom .deep import kernel\nfrom . import deeper\nclass A(Slave): ...\n",
+        "a/deep/__init__.py": "",
+        "a/deep/kernel.py": "from ...kit import cache\nfrom ... import tank\nfrom .more.constants import x\nfrom .. import other",
+        "a/deep/more/__init__.py": "from . import aside\n",
+        "a/deep/more/aside.py": "",
+        "a/deep/more/constants.py": "",
+        "a/deeper/__init__.py": "def f():\n    from .late import y\n",
+        "a/deeper/late.py": "",
+        "a/other.py": "",
+        "a/training.py": "from .other import z\n",
+    }.items():
+        (tree / name).parent.mkdir(parents=True, exist_ok=True)
+        (tree / name).write_text(f"{text}\n")
+    found = set(sources.component_files(tree / "a", tree))
+    assert {name for name in found if name.startswith("a/")} == {
+        *("a/__init__.py", "a/fmu.py", "a/weights.csv", "a/other.py", "a/deep/__init__.py", "a/deep/kernel.py"),
+        *("a/deep/more/__init__.py", "a/deep/more/aside.py", "a/deep/more/constants.py"),
+        *("a/deeper/__init__.py", "a/deeper/late.py"),
+    }
+    assert {"tank/liquid.py", "tank/__init__.py", "kit/cache.py"} <= found
+
+
+def jitted(root: Path) -> list[Path]:
+    """Modules that hold kernels."""
+    word = re.compile(r"^from \.+kit\.(cache|compiled) import .*\b(jit|inline)\b", re.MULTILINE)
+    return [path for path in sorted(root.glob("*/*.py")) if word.search(path.read_text())]
+
+
+def readable(path: Path, root: Path) -> set[Path]:
+    """All modules that `path` imports, directly or through others: found here by Python's own rules, one name at a time."""
+    found: set[Path] = set()
+    todo = [path]
+    while todo:
+        here = todo.pop()
+        if here in found:
+            continue
+        found.add(here)
+        for node in ast.walk(ast.parse(here.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                base = here.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+                names = [base.with_suffix(".py"), *(base / f"{alias.name}.py" for alias in node.names)]
+                todo += [name for name in names if name.is_file()]
+    return found
+
+
+def test_a_constant_changed_anywhere_a_kernel_reads_changes_its_key(tmp_path: Path) -> None:
+    """The product's own sources, in a copy: one constant more in one module at a time."""
+    root = tmp_path / "fmus"
+    shutil.copytree(ROOT, root, ignore=shutil.ignore_patterns("__pycache__", "*.svg", "reference"))
+    kernels = jitted(root)
+    assert {path.parent.name for path in kernels} >= {"aero", "slosh_rbf", "slosh_vof", "tank"}
+
+    def keys(homes: set[Path]) -> dict[Path, str]:
+        return {home: sources.kernel_hash(home, root) for home in homes}
+
+    readers: dict[Path, set[Path]] = {}  # module → folders of the kernels that can read it
+    for kernel in kernels:
+        for module in readable(kernel, root):
+            readers.setdefault(module, set()).add(kernel.parent)
+    for face in root.glob("*/fmu.py"):  # and every module of a component that computes
+        for module in readable(face, root) - {face}:
+            if module.parent.name != "kit":
+                readers.setdefault(module, set()).update({module.parent, face.parent})
+    assert {"tank/motion.py", "tank/liquid.py", "kit/compiled.py", "kit/cache.py", "aero/flux.py", "structure/section.py"} <= {
+        module.relative_to(root).as_posix() for module in readers
+    }
+    before = keys(set().union(*readers.values()))
+    for module, homes in sorted(readers.items()):
+        text = module.read_text()
+        module.write_text(f"{text}\nONE_MORE = 1.0\n")
+        assert all(key != before[home] for home, key in keys(homes).items()), module
+        module.write_text(text)
+    assert keys(set(before)) == before
+
+
+def test_a_kernel_that_no_face_reaches_has_its_own_sources_in_its_key(tree: Path) -> None:
+    training = tree / "a" / "training.py"
+    training.write_text("from ..kit.cache import jit\n")
+    before = sources.kernel_hash(tree / "a", tree, training)
+    training.write_text("from ..kit.cache import jit\nFACTOR = 2.0\n")
+    assert sources.kernel_hash(tree / "a", tree, training) != before
+    assert sources.kernel_hash(tree / "a", tree) == sources.kernel_hash(tree / "a", tree, tree / "a" / "deep" / "kernel.py")
 
 
 def test_a_face_file_holds_one_class(tree: Path) -> None:

@@ -24,6 +24,36 @@ def refused(tmp_path: Path, text: str) -> str:
     return str(caught.value)
 
 
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+def test_a_mark_in_front_and_other_line_ends_change_nothing(tmp_path: Path, ends: str) -> None:
+    path = tmp_path / "own.toml"
+    text = CASE.read_text().replace("0.825", "0.75", 1)
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", ends).encode())
+    (tmp_path / "plain.toml").write_text(text)
+    read, plain = load(path), load(tmp_path / "plain.toml")
+    plain.name = read.name
+    assert read == plain and read != load(CASE)
+    path.write_bytes(b"\xef\xbb\xbf" + f"[flow]{ends}mach = 0.8{ends}mache = 0.8{ends}".encode())
+    with pytest.raises(AeroSloshError, match=r"own\.toml, line 3"):
+        load(path)
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        ("[flow]\n".encode("utf-16"), ["UTF-16", "save it as UTF-8"]),
+        ("[flow]\n".encode("utf-16-le"), ["UTF-16"]),
+        ("[flow]\n# M\xfcller\n".encode("latin-1"), ["not UTF-8", "line 2"]),
+    ],
+)
+def test_other_encodings_are_named(tmp_path: Path, data: bytes, words: list[str]) -> None:
+    path = tmp_path / "own.toml"
+    path.write_bytes(data)
+    with pytest.raises(AeroSloshError) as caught:
+        load(path)
+    assert all(word in str(caught.value) for word in [*words, str(path)]) and caught.value.code == ExitCode.INPUT
+
+
 def test_isogai_a_is_the_section_of_the_literature() -> None:
     case = load(CASE)
     s = case.section

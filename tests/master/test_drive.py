@@ -27,6 +27,14 @@ def test_a_table_is_read_and_resampled(tmp_path: Path) -> None:
     np.testing.assert_allclose(finer.values[:, 0], [0, 1, 2, 2.5, 3, 3.5, 4])
 
 
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+def test_a_mark_in_front_is_no_part_of_a_name(tmp_path: Path, ends: str) -> None:
+    path = tmp_path / "motion.csv"
+    path.write_bytes(b"\xef\xbb\xbf" + ends.join(["time,h", "0,1", "1,2", ""]).encode())
+    read = drive.read(path)
+    assert read.names == ["h"] and read.times.tolist() == [0.0, 1.0] and read.values.tolist() == [[1.0], [2.0]]
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -47,6 +47,8 @@ def test_what_does_not_converge_is_not_extrapolated(values: list[float], behavio
     assert found.as_data()["order"] is None
 
 
-def test_a_value_that_no_mesh_changes() -> None:
-    found = study([(180, 80), (120, 53), (80, 36)], [2.0, 2.0, 2.0])
+@pytest.mark.parametrize("rounding", [(0.0, 0.0), (4e-16, -4e-16), (4e-16, 8e-16), (-4e-16, 0.0)])
+def test_a_value_that_no_mesh_changes(rounding: tuple[float, float]) -> None:
+    """But for the last bits."""
+    found = study([(180, 80), (120, 53), (80, 36)], [2.0, 2.0 + rounding[0], 2.0 + rounding[1]])
     assert (found.behaviour, found.error, found.gci) == ("monotone", 0.0, 0.0)

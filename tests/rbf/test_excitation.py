@@ -194,8 +194,23 @@ def test_released_follows_the_protocol() -> None:
     for column in (0, 3):
         q = motion.motions[free, column]
         assert np.abs(np.convolve(q, np.poly(roots).real, mode="valid")).max() < 1e-9 * np.abs(q).max()
-    with pytest.raises(ExcitationError, match="Remedy"):
-        released(TIMES, 4e-3, 60.0, MODES[0], MODES[0])
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.1, 1.0, 1e-3, 1.0 / 3.0, 0.0])
+@pytest.mark.parametrize("apart", [0.0, 1e-15, 1e-10])
+def test_two_modes_that_are_one_cannot_be_released(ratio: float, apart: float) -> None:
+    """Whatever a solver's rounding makes of a matrix that is singular, or nearly."""
+    mode = Mode(45.0, 0.4, ratio, 0.2)
+    other = mode._replace(ratio=ratio * (1.0 + apart), frequency=mode.frequency * (1.0 + apart))
+    with pytest.raises(ExcitationError, match=r"the same, or nearly. Remedy"):
+        released(TIMES, 4e-3, 60.0, mode, other)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_modes_of_any_size_of_plunge_are_two(scale: float) -> None:
+    motion = released(TIMES, 4e-3, 60.0, *(mode._replace(ratio=scale * mode.ratio) for mode in MODES))
+    plain = released(TIMES, 4e-3, 60.0, *MODES)
+    np.testing.assert_allclose(motion.motions[:, :3], scale * plain.motions[:, :3], atol=1e-9 * scale)
 
 
 def test_carried_is_the_motion_of_the_point() -> None:

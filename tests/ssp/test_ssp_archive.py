@@ -43,7 +43,7 @@ def coupled(fmu: Fmu) -> Coupled:
 def folder(fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The product's FMUs, up to date, in one folder."""
     place = tmp_path_factory.mktemp("fmus")
-    for name in ("structure", "aero", "slosh_ems"):
+    for name in ("structure", "aero", "slosh_ems", "slosh_rbf"):
         os.symlink(fmu(name), place / f"{name}.fmu")
     return place
 
@@ -191,6 +191,17 @@ def test_command(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert any("gauss-seidel" in note and "predictor_order = 1" in note for note in data["notes"])
     assert cli.run(words) == ExitCode.OK
     assert repr(data["step"])[:4] in capsys.readouterr().out  # people are told the step too
+
+
+def test_a_predictor_is_left_out_and_told(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its FMU is needed all the same: the system is built by the code that marches it."""
+    changes = [word for key in SMALL for word in ("--set", key)]
+    words = ["export", "ssp", str(ROOT / "cases" / "paper_s.toml"), *changes, "--fmus", str(folder), "--json"]
+    words += ["--slosh", "rbf", "--set", "slosh.predictor=ems", "--out", str(tmp_path / "a.ssp")]
+    assert cli.run(words) == ExitCode.OK
+    data = json.loads(capsys.readouterr().out)
+    assert data["components"]["slosh"]["fmu"] == "slosh_rbf.fmu" and "slosh_predictor" not in data["components"]
+    assert any("slosh.predictor = ems is left out" in note for note in data["notes"])
 
 
 def test_system_file(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
