@@ -157,6 +157,8 @@ def march_summary(data: dict[str, Any]) -> str:
         lines.append(f"  note: the slosh model does not hold (validity {data['slosh_validity']:.3g}, edge 1)")
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
+    if data.get("airfoil_summary"):
+        lines.append(airfoil_line(data["airfoil_summary"]))
     cost = data["cost"]
     shares = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items())
     steady = f", steady start {cost['steady_cpu_seconds']:.1f} s" if "steady_cpu_seconds" in cost else ""
@@ -165,6 +167,11 @@ def march_summary(data: dict[str, Any]) -> str:
         f"{data['steps']} steps ({shares}, master {100 * cost['master_share']:.1f} %{steady})"
     )
     return "\n".join(lines)
+
+
+def airfoil_line(summary: str) -> str:
+    """The line that tells of the section."""
+    return f"  airfoil      {summary}"
 
 
 def boundary_summary(points: list[dict[str, Any]]) -> str:

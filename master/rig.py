@@ -7,10 +7,10 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-from master import slosh
+from master import airfoils, slosh
 from master.case import Case
 from master.component import Component, Saved
-from master.errors import AeroSloshError
+from master.errors import AeroSloshError, ComponentError
 from master.scheme import assemble
 from master.similarity import Scales, scales
 from master.system import wires
@@ -46,7 +46,9 @@ class FlutterRig:
     """Structure, aero and slosh FMU at one Mach number. Use as a context manager.
 
     `start(V_f)` makes the structure of that V_f and rewinds the aero FMU to its steady flow: what a march
-    begins with. `tank` is the liquid (None when dry).
+    begins with. `tank` is the liquid (None when dry). `section_file`: where the aero
+    FMU writes the points of the airfoil's file and the wall of the mesh. Raises AeroSloshError, for an airfoil that gives no
+    mesh as bad input.
     """
 
     def __init__(
@@ -56,6 +58,7 @@ class FlutterRig:
         mach: float,
         field_folder: Path | None = None,
         say: Callable[[str], None] = lambda text: None,
+        section_file: Path | None = None,
     ) -> None:
         self.case, self.mach = case, mach
         self.structure = Component(fmus["structure"], "structure")
@@ -70,7 +73,7 @@ class FlutterRig:
         self._steady: Saved | None = None
         say(f"steady flow at Mach {mach:g}")
         try:
-            self._solve_steady(field_folder)
+            self._solve_steady(field_folder, section_file)
         except BaseException:
             self.close()
             raise
@@ -88,6 +91,11 @@ class FlutterRig:
         if self._steady is None:
             raise AeroSloshError("The rig is closed", "FlutterRig.steady", "open a new one")
         return self._steady
+
+    @property
+    def airfoil_summary(self) -> str:
+        """What the aero FMU says of its section in a line; empty where it says nothing."""
+        return str(self.aero.get("airfoil_summary")) if "airfoil_summary" in self.aero.variables else ""
 
     @property
     def exchanges_whole_loads(self) -> bool:
@@ -142,7 +150,7 @@ class FlutterRig:
             self._steady = None
         self.system.close()
 
-    def _solve_steady(self, field_folder: Path | None) -> None:
+    def _solve_steady(self, field_folder: Path | None, section_file: Path | None) -> None:
         """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""
         case, aero = self.case, self.aero
         values: dict[str, float | int | str] = {
@@ -160,8 +168,15 @@ class FlutterRig:
         values |= {name: value for name in ("tolerance", "max_subiterations") if (value := getattr(case.aero, name)) != "auto"}
         if field_folder is not None:
             values["field_folder"] = str(field_folder)
+        if section_file is not None and "section_file" in aero.variables:
+            values["section_file"] = str(section_file)
         aero.set_all(values)
-        aero.initialize()
+        try:
+            aero.initialize()
+        except ComponentError as error:
+            if (said := airfoils.fault(error.what)) is None:
+                raise
+            raise AeroSloshError(said, f'{airfoils.KEY} = "{case.flow.airfoil}"', error.remedy) from None
         if "converged" in aero.variables and not aero.get("converged"):
             raise AeroSloshError(
                 f"The steady flow at Mach {self.mach:g} did not converge (residual {aero.get('residual'):.1e})",

@@ -31,8 +31,10 @@ _AWAY = 0.005
 
 @dataclass(frozen=True)
 class Section:
-    """contour: shape (n, 2), chords; read: the file's points in the same axes, (m, 2), empty for a name; summary: one line."""
+    """name: as given; contour: shape (n, 2), chords; read: the file's points in the same axes, (m, 2), empty for a NACA name;
+    summary: what it is and what was done to the file, one line."""
 
+    name: str
     contour: Array
     read: Array
     summary: str
@@ -97,20 +99,26 @@ def from_file(path: Path) -> Section:
     if aside:
         said.append(f"moved by {-aside:+.4f} chords in y together with its axis")
     seen = np.column_stack([(rows.points[:, 0] - chain.start) / chain.chord, rows.points[:, 1] / chain.chord - aside])
-    return Section(points, seen, f"{path.name}: {', '.join(said)}; {_measures(measured)}")
+    return Section(str(path), points, seen, f"{path.name}: {', '.join(said)}; {_measures(measured)}")
 
 
 def write_csv(path: Path, found: Section, surface: Array) -> None:
-    """File points and mesh surface, shape (n, 2), chords, as a table: what, x, y. For pictures."""
+    """File points and mesh surface, shape (n, 2), chords, as a table: what, x, y. For pictures.
+
+    Raises AirfoilError where the file cannot be written.
+    """
     parts = (("file", found.read), ("contour", found.contour), ("mesh", surface))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(("what", "x", "y"))
-        table.writerows((what, repr(float(x)), repr(float(y))) for what, points in parts for x, y in points)
+    try:
+        with path.open("w", encoding="utf-8", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(("what", "x", "y"))
+            table.writerows((what, repr(float(x)), repr(float(y))) for what, points in parts for x, y in points)
+    except OSError as error:
+        raise AirfoilError(f"section_file '{path}' cannot be written ({error.strerror}). Remedy: a folder that exists") from None
 
 
 def _named(name: str, points: Array) -> Section:
-    return Section(points, np.empty((0, 2)), f"{name} by its formula, sharp trailing edge; {_measures(shape(points))}")
+    return Section(name, points, np.empty((0, 2)), f"{name} by its formula, sharp trailing edge; {_measures(shape(points))}")
 
 
 def _measures(s: Shape) -> str:
@@ -127,7 +135,7 @@ def _thinned(points: Array, step: float) -> tuple[Array, int | None]:
     sixteenth. Of more than 1,000 points those stay that are farther apart than 400 cosine stations a side.
     """
     nose, n = int(np.argmin(points[:, 0])), len(points)
-    least = np.full(n, 8 * step)
+    least = np.full(n, max(8 * step, 1e-6))
     if n > _DENSE:
         x = np.clip(points[:, 0], 0.0, 1.0)
         least = np.maximum(least, np.pi / 400 * np.sqrt(x * (1 - x)) + 1e-4)

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 FEWEST = 20
 _JUMP = 0.5
 """Two points in a row that are this far apart [chords] belong to different sides."""
+_SAME = 1e-9
+"""Two points in a row that are closer [chords] are one."""
 _REMEDY = "Selig order (trailing edge, upper side, nose, lower side) or Lednicer order with counts"
 
 
@@ -54,8 +56,8 @@ def loop(rows: Rows, path: Path) -> Loop:
     scaled = np.column_stack([(points[:, 0] - start) / chord, points[:, 1] / chord])
     order, said = _order(scaled, lines, path, split)
     scaled, lines = scaled[order], lines[order]
-    repeated = bool(np.all(scaled[0] == scaled[-1]))
-    keep = np.any(scaled != np.roll(scaled, 1, axis=0), axis=1)
+    repeated = bool(np.linalg.norm(scaled[0] - scaled[-1]) < _SAME)
+    keep = np.linalg.norm(scaled - np.roll(scaled, 1, axis=0), axis=1) >= _SAME
     scaled, lines = scaled[keep], lines[keep]
     if len(scaled) < FEWEST:
         refuse(path, f"{len(scaled)} different points", f"{FEWEST} or more, 60 to 200 for good accuracy")

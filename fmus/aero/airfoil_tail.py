@@ -54,16 +54,29 @@ def sides(loop: Loop, path: Path) -> Sides:
         refuse(path, f"{min(len(side) for side in whole)} points on one side", "7 or more a side, 30 to 100 for good accuracy")
     bare = [_without_base(side) for side in whole]
     ends = [sign * _straight_end(sign * side, loop.step) for side, sign in zip(bare, (UP, DOWN), strict=True)]
+    given = float(bare[0][-1, 1] - bare[1][-1, 1])
+    if given > 0 and min(side[-1, 0] for side in bare) > 1 - 1e-4:  # two corners: what is off their sides by little is theirs
+        off = [abs(float(side[-1, 1]) - _parabola(_stencil(end), side[-1, 0])) if len(end) < len(side) else 0.0
+               for side, end in zip(bare, ends, strict=True)]  # fmt: skip
+        ends = bare if max(off) < 0.25 * given else ends
     if all(len(end) == len(side) for end, side in zip(ends, whole, strict=True)) and not loop.repeated:
         _check_shared(whole, loop, path)
     upper, lower = _to_the_end(ends[0], ends[1], path)
-    if upper[-1, 1] < lower[-1, 1] and loop.repeated:  # sides that would cross ahead of it: a sharp edge, as the file says
-        ends, (upper, lower) = list(whole), whole
     base = float(upper[-1, 1] - lower[-1, 1])
+    if loop.repeated and (base < 0 or base > _thickness(ends)):  # sides that would cross or part: sharp, as the file says
+        ends, (upper, lower), base = list(whole), whole, 0.0
     _check_base(whole, (upper, lower), base, path)
     said = [f"its {name} side carried on by {1 - end[-1, 0]:.4f} chords"
             for name, end in zip(("upper", "lower"), ends, strict=True) if end[-1, 0] < 1 - 1e-4]  # fmt: skip
     return Sides(upper, lower, max(base, 0.0), " and ".join(said) if base > _SEEN else "")
+
+
+def _thickness(ends: list[Array]) -> float:
+    """Thickness where the shorter side ends; no limit where both reach the trailing edge."""
+    x = min(end[-1, 0] for end in ends)
+    if x > 1 - 1e-4:
+        return float(np.inf)
+    return float(np.interp(x, *ends[0].T) - np.interp(x, *ends[1].T))
 
 
 def _straight_end(side: Array, step: float) -> Array:
@@ -187,7 +200,7 @@ def closed(found: Sides, path: Path) -> tuple[Array, str]:
 
 
 def _leaves_enough(found: Sides) -> bool:
-    """Whether a wedge over the whole chord leaves a fifth of the thickness up to x/c 0.95, and half a wedge behind that."""
+    """Whether a wedge over the whole chord leaves a fifth of the thickness up to x/c 0.95, a quarter of a wedge behind that."""
     (xu, yu), (xl, yl) = found.upper.T, found.lower.T
     x = np.union1d(np.union1d(xu, xl), [0.95])
     x = x[(x > 0.3) & (x < 1)]
@@ -195,4 +208,4 @@ def _leaves_enough(found: Sides) -> bool:
     left = thickness - found.base * x
     fore = x <= 0.95
     straight = left[x == 0.95][0] * (1 - x) / 0.05
-    return bool(np.all(left[fore] > 0.2 * thickness[fore]) and np.all(left[~fore] > 0.5 * straight[~fore]))
+    return bool(np.all(left[fore] > 0.2 * thickness[fore]) and np.all(left[~fore] > 0.25 * straight[~fore]))

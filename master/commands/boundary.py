@@ -48,19 +48,21 @@ def execute(options: argparse.Namespace) -> int:
         cases.apply_override(case, "boundary.uncertainty=true")
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
+    common.check_airfoil(options, case, fmus["aero"])
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         begin = clock.perf_counter(), clock.process_time()
-        points, hashes = _solve(case, fmus, folder, progress)
+        points, hashes, airfoil = _solve(case, fmus, folder, progress)
         folder.keep()
         cost = {"wall_seconds": clock.perf_counter() - begin[0], "cpu_seconds": clock.process_time() - begin[1]}
         rows = [{"slosh": case.slosh.model} | outcome.point_data(p) for p in points]
-        data: dict[str, Any] = {"slosh": case.slosh.model, "points": rows, "cost": cost}
+        data: dict[str, Any] = {"slosh": case.slosh.model, "airfoil_summary": airfoil or None, "points": rows, "cost": cost}
         if case.output.pictures:
             from master import boundary_plot
 
             published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
             boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
+        common.draw_airfoil(case, folder, airfoil)
         folder.write_result(data | {"provenance": provenance(hashes)})
         summary = outcome.boundary_summary(rows)
         folder.log("\n" + summary)
@@ -68,16 +70,19 @@ def execute(options: argparse.Namespace) -> int:
         label = slosh.LABEL[case.slosh.model]
         if case.boundary.method == "linear" and case.slosh.model not in ("none", "frozen"):
             label += ", carried frozen by the linear method"
-        text = f"Flutter boundary of {case.name}, {label}\n{summary}\n  cost         {spent}"
+        section = [outcome.airfoil_line(airfoil)] if airfoil else []
+        text = "\n".join([f"Flutter boundary of {case.name}, {label}", summary, *section, f"  cost         {spent}"])
         common.print_result(options, data, text, folder)
         return _exit_code(points)
 
 
 def _solve(
     case: Case, fmus: dict[str, Path], folder: RunFolder, progress: Progress
-) -> tuple[list[BoundaryPoint], dict[str, str]]:
-    """The points, and the hashes of the FMUs used; each march said as it ends, each point's histories written."""
+) -> tuple[list[BoundaryPoint], dict[str, str], str]:
+    """The points, the hashes of the FMUs used, and what the aero FMU says of its section; each march said as it ends, each
+    point's histories written."""
     hashes: dict[str, str] = {}
+    said: list[str] = []
 
     def before_march(rig: FlutterRig, V_f: float) -> flutter.Watcher:
         progress.start(f"M {rig.mach:g} V_f {V_f:.4g}")
@@ -100,8 +105,11 @@ def _solve(
 
     def on_rig(rig: FlutterRig) -> None:
         hashes.update(rig.hashes())
+        said.append(rig.airfoil_summary)
 
-    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig), hashes
+    section = common.section_file(folder) if case.output.pictures else None
+    points = boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section)
+    return points, hashes, said[0] if said else ""
 
 
 def _exit_code(points: list[BoundaryPoint]) -> int:

@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from master import airfoils, checkpoint
 from master import case as cases
-from master import checkpoint
 from master.case import Case
 from master.checkpoint import Checkpoint, Keeper
 from master.component import Component
@@ -102,6 +102,25 @@ def load_case(options: argparse.Namespace) -> Case:
     if options.no_pictures:
         case.output.pictures = case.output.fields = False
     return case
+
+
+def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
+    """Refuse an airfoil that the FMU `aero` does not know, before anything starts. Raises AeroSloshError."""
+    where = airfoils.place(options.case, options.set)
+    airfoils.check(case.flow.airfoil, where, aero, options.case.parent, Path())
+
+
+def draw_airfoil(case: Case, folder: RunFolder, summary: str) -> None:
+    """airfoil.png, from the table that the aero FMU wrote (section_file)."""
+    if case.output.pictures and section_file(folder).is_file():
+        from master import airfoil_plot  # matplotlib takes half a second to import
+
+        airfoil_plot.draw(section_file(folder), folder.path / "airfoil.png", summary)
+
+
+def section_file(folder: RunFolder) -> Path:
+    """Where the section of a run is written."""
+    return folder.path / "airfoil.csv"
 
 
 def run_folder(options: argparse.Namespace, name: str) -> Path:
