@@ -27,7 +27,7 @@ def draw(table: Path, path: Path, summary: str) -> None:
     """Draw the `table` of a section into the PNG `path`, with its `summary` above."""
     parts = read(table)
     mesh, points = parts["mesh"], parts.get("file", parts["contour"])
-    label = "points of the file" if "file" in parts else "contour"
+    label = "file" if "file" in parts else "contour"
     nose, tail = mesh[np.argmin(mesh[:, 0])], mesh[np.argmax(mesh[:, 0])]
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(9.0, 6.4), constrained_layout=True)
@@ -39,18 +39,16 @@ def draw(table: Path, path: Path, summary: str) -> None:
         )
         for place, title, (x, y), half in windows:
             axis = figure.add_subplot(place)
-            axis.plot(
-                *np.vstack([mesh, mesh[:1]]).T, color=BLUE, lw=1.0, marker=".", ms=4 if title else 2, label="wall of the mesh"
-            )
+            axis.plot(*np.vstack([mesh, mesh[:1]]).T, color=BLUE, lw=1.0, marker=".", ms=4 if title else 2, label="mesh wall")
             axis.plot(*points.T, color=RED, ls="", marker="x", ms=5 if title else 2.5, mew=0.8, label=label)
             axis.axhline(0.0, color=GREY, lw=0.5)
-            axis.set_aspect("equal", adjustable="datalim" if title else "box")
+            axis.set_aspect("equal", adjustable="box")
             axis.set_xlim(x - half, x + half)
             if title:
                 axis.set_ylim(y - half, y + half)
                 axis.set_title(title, fontsize=10)
             else:
-                axis.legend(loc="upper right")
+                axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
             axis.set_xlabel("$x/c$")
             axis.set_ylabel("$y/c$")
         figure.suptitle(summary.replace("$", r"\$"), fontsize=8.5, wrap=True)

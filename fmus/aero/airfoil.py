@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import airfoil_text
-from .airfoil_order import loop
+from .airfoil_order import apart, far_enough, loop
 from .airfoil_shape import Shape, crossing, shape
 from .airfoil_tail import closed, sides
 from .airfoil_text import refuse
@@ -76,17 +76,19 @@ def from_file(path: Path) -> Section:
     """
     rows = airfoil_text.read(path)
     chain = loop(rows, path)
+    chain = apart(chain)
     _check_crossing(chain.points, chain.lines, path, "the contour crosses itself")
     found = sides(chain, path)
     points, over = closed(found, path)
-    points, used = _thinned(points, chain.step)
+    points = _thinned(points)
     _check_crossing(points, None, path, f"the contour crosses itself once its base of {found.base:.2%} is closed")
     nose, tail = points[np.argmin(points[:, 0])], points[0]
     aside = float(tail[1]) if nose[1] * tail[1] > 0 and min(abs(nose[1]), abs(tail[1])) > _AWAY else 0.0
     points = points - np.array([0.0, aside])
     measured = shape(points)
     _check_shape(measured, path)
-    said = [f"{chain.count} points" + ("" if used is None else f" ({used} used, at the distances a mesh can resolve)")]
+    few = len(points) - 1 < 0.8 * len(chain.points) or len(chain.points) < 0.5 * chain.count
+    said = [f"{chain.count} points" + (f" ({len(points) - 1} used, the others too close to them)" if few else "")]
     if found.base > 0:
         said.append(f"base {found.base:.2%} {found.said + ', ' if found.said else ''}closed over {over.removeprefix('the ')}"
                     if not over.startswith("a wedge") else
@@ -128,25 +130,16 @@ def _measures(s: Shape) -> str:
     return f"thickness {s.thickness:.2%} at x/c {s.thickness_at:.2f}, {bow}, leading-edge radius {s.nose_radius:.2%}{tilt}"
 
 
-def _thinned(points: Array, step: float) -> tuple[Array, int | None]:
-    """The contour without points closer than the file's rounding allows and, of a dense file, than the mapping needs.
-
-    Close points carry the rounding of the file as a wavy surface: eight times its resolution apart, the slope is right to a
-    sixteenth. Of more than 1,000 points those stay that are farther apart than 400 cosine stations a side.
-    """
+def _thinned(points: Array) -> Array:
+    """The contour of a dense file without the points that the mapping does not need: of more than 1,000 those stay that are
+    farther apart than 400 cosine stations a side. Closer ones carry the file's rounding as a wavy surface."""
     nose, n = int(np.argmin(points[:, 0])), len(points)
-    least = np.full(n, max(8 * step, 1e-6))
-    if n > _DENSE:
-        x = np.clip(points[:, 0], 0.0, 1.0)
-        least = np.maximum(least, np.pi / 400 * np.sqrt(x * (1 - x)) + 1e-4)
-    keep = np.zeros(n, dtype=bool)
-    keep[[0, nose, n - 1]] = True
-    for side in (range(1, nose), range(n - 2, nose, -1)):  # both from the trailing edge on
-        last = points[0]
-        for k in side:
-            if np.hypot(*(points[k] - last)) >= least[k] and np.hypot(*(points[k] - points[nose])) >= least[k]:
-                keep[k], last = True, points[k]
-    return points[keep], int(keep.sum()) - 1 if not keep.all() else None
+    if n <= _DENSE:
+        return points
+    x = np.clip(points[:, 0], 0.0, 1.0)
+    least = np.pi / 400 * np.sqrt(x * (1 - x)) + 1e-4
+    keep = far_enough(points, nose, least)
+    return points[keep]
 
 
 def _check_crossing(points: Array, lines: NDArray[np.int64] | None, path: Path, what: str) -> None:

@@ -6,7 +6,8 @@ the other, each in either sense, the upper or the lower one first, with or witho
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -126,3 +127,34 @@ def _check_ends(points: Array, path: Path) -> None:
     if aft > 1.5 * fore and aft > 0.03:
         refuse(path, f"{fore:.3f} chords high at its low-x end and {aft:.3f} at the other: the nose seems to be behind",
                "x from the nose to the trailing edge")  # fmt: skip
+
+
+def apart(chain: Loop) -> Loop:
+    """The loop from its aftmost point on, without points closer than eight times the file's resolution (1e-6 chords at least):
+    there its rounding, not the section, decides which way the surface runs."""
+    apart_by = max(8 * chain.step, 1e-6)
+    points, lines = chain.points, chain.lines
+    end = np.nonzero(points[:, 0] > 1 - apart_by)[0]
+    inner = np.setdiff1d(end, end[[int(np.argmax(points[end, 1])), int(np.argmin(points[end, 1]))]])  # of a base but its corners
+    points, lines = np.delete(points, inner, axis=0), np.delete(lines, inner)
+    tail = int(np.argmax(points[:, 0]))
+    points, lines = np.roll(points, -tail, axis=0), np.roll(lines, -tail)
+    least = np.full(len(points) + 1, apart_by)
+    keep = far_enough(np.vstack([points, points[:1]]), int(np.argmin(points[:, 0])), least)[:-1]
+    return replace(chain, points=points[keep], lines=lines[keep])
+
+
+def far_enough(points: Array, nose: int, least: Array) -> NDArray[np.bool_]:
+    """Which points of a closed contour, shape (n, 2), first = last, to keep so that they are `least` apart, shape (n,): counted
+    on both sides from the trailing edge to the nose, which stay."""
+    n = len(points)
+    keep = np.zeros(n, dtype=bool)
+    keep[[0, nose, n - 1]] = True
+    x, y, limit = points[:, 0].tolist(), points[:, 1].tolist(), least.tolist()
+    for side in (range(1, nose), range(n - 2, nose, -1)):
+        last = 0
+        for k in side:
+            far = math.hypot(x[k] - x[last], y[k] - y[last]) >= limit[k]
+            if far and math.hypot(x[k] - x[nose], y[k] - y[nose]) >= limit[k]:
+                keep[k], last = True, k
+    return keep

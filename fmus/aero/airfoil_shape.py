@@ -47,13 +47,15 @@ def shape(contour: Array) -> Shape:
 
 
 def nose_radius(contour: Array, nose: int) -> float:
-    """Radius [chords] of curvature at the nose: x as a polynomial of fourth degree in y, fitted to what lies ahead of x/c 0.01
-    (at least nine points)."""
-    near = contour[:, 0] < 0.01
-    near[max(nose - 4, 0) : nose + 5] = True
+    """Radius [chords] of curvature at the nose: x as a polynomial of fourth degree in y, fitted to what lies ahead of x/c 0.01;
+    of second degree through five points where these are fewer than eight."""
+    near, degree = contour[:, 0] < 0.01, 4
+    if near.sum() < 8:
+        near[:], degree = False, 2
+        near[max(nose - 2, 0) : nose + 3] = True
     x, y = contour[near].T
     middle, scale = contour[nose, 1], np.ptp(y)
-    c = np.polynomial.polynomial.polyfit((y - middle) / scale, x, 4)
+    c = np.polynomial.polynomial.polyfit((y - middle) / scale, x, degree)
     return float(scale**2 * (1 + (c[1] / scale) ** 2) ** 1.5 / max(2 * c[2], 1e-12))
 
 

@@ -27,8 +27,12 @@ _NEAR = 0.9
 _CURVED = 0.004
 """Least distance [chords] of the points that a parabola is laid through: closer ones carry the rounding of the file."""
 UP, DOWN = np.array([1.0, 1.0]), np.array([1.0, -1.0])
-_CLOSE = 0.02
+_CLOSE = 0.03
 """Last points farther apart than this [chords] do not tell a base from a curved side."""
+_DOUBT = 4e-4
+"""A last point that the file calls the trailing edge is believed unless it lies this far [chords] off its side."""
+_ROUND = 0.003
+"""A base that is rounded begins no farther from the trailing edge than this [chords]."""
 _SEEN = 2e-4
 """A base thinner than this [chords] is not worth a word."""
 
@@ -53,9 +57,11 @@ def sides(loop: Loop, path: Path) -> Sides:
     if min(len(side) for side in whole) < 7:
         refuse(path, f"{min(len(side) for side in whole)} points on one side", "7 or more a side, 30 to 100 for good accuracy")
     bare = [_without_base(side) for side in whole]
-    ends = [sign * _straight_end(sign * side, loop.step) for side, sign in zip(bare, (UP, DOWN), strict=True)]
     given = float(bare[0][-1, 1] - bare[1][-1, 1])
-    if given > 0 and min(side[-1, 0] for side in bare) > 1 - 1e-4:  # two corners: what is off their sides by little is theirs
+    corners = given > 0 and min(side[-1, 0] for side in bare) > 1 - 1e-4
+    told = _DOUBT if loop.repeated or corners else 0.0  # where the file says how it ends, the points must contradict it clearly
+    ends = [sign * _straight_end(sign * side, loop.step, told) for side, sign in zip(bare, (UP, DOWN), strict=True)]
+    if corners:  # what is off their sides by little is theirs
         off = [abs(float(side[-1, 1]) - _parabola(_stencil(end), side[-1, 0])) if len(end) < len(side) else 0.0
                for side, end in zip(bare, ends, strict=True)]  # fmt: skip
         ends = bare if max(off) < 0.25 * given else ends
@@ -79,17 +85,20 @@ def _thickness(ends: list[Array]) -> float:
     return float(np.interp(x, *ends[0].T) - np.interp(x, *ends[1].T))
 
 
-def _straight_end(side: Array, step: float) -> Array:
-    """An upper side (or a lower one turned over) without last points that turn towards the other side, off its parabola."""
-    while len(side) > 7 and side[-1, 0] > _NEAR and side[-1, 0] - side[-2, 0] <= _CLOSE and _off(side, step) < 0:
-        side = side[:-1]
+def _straight_end(side: Array, step: float, told: float) -> Array:
+    """An upper side (or a lower one turned over) without a last point that turns towards the other side, off its parabola by
+    more than `told`; of a rounded base without several."""
+    near = _NEAR
+    while len(side) > 7 and side[-1, 0] > near and side[-1, 0] - side[-2, 0] <= _CLOSE and _off(side, step) < -told:
+        side, near = side[:-1], 1 - _ROUND
     return side
 
 
 def _check_shared(whole: tuple[Array, Array], loop: Loop, path: Path) -> None:
     """Refuse a last point that the file gives once, where the points ahead of it say that one side does not end there."""
     for name, side, sign in zip(("upper", "lower"), whole, (UP, DOWN), strict=True):
-        if _off(sign * side, loop.step) < 0:
+        points = np.vstack([_stencil(sign * side[:-1]), sign * side[-1:]])
+        if _parabola(points[:-1], points[-1, 0]) - points[-1, 1] > 5e-5 + 8 * loop.step:
             refuse(path, f"its trailing edge at x/c {side[-1, 0]:.4f} is given once and lies off the {name} side, whose last "
                    f"point is at x/c {side[-2, 0]:.4f}: sharp, or a base without a corner",
                    "the corners of both sides, or a sharp trailing edge as first and as last point")  # fmt: skip
@@ -133,12 +142,14 @@ def _parabola(points: Array, x: float) -> float:
 
 
 def _off(side: Array, step: float) -> float:
-    """How far the last point lies above the parabola through the points ahead of it; 0 within what such a parabola misses
-    at the points ahead and what the file's rounding makes of it."""
+    """How far the last point lies above the parabola through the points ahead of it; 0 within four times what such a parabola
+    misses by the third derivative of the points ahead (Lagrange's remainder), and what the file's rounding makes of it."""
     points = np.vstack([_stencil(side[:-1]), side[-1:]])
-    miss = [float(points[k, 1] - _parabola(points[:k], points[k, 0])) for k in range(3, len(points))]
-    last, before = miss[-1], [abs(value) for value in miss[:-1]]
-    return last if abs(last) > 3 * max(before, default=0.0) + 8 * step + 1e-6 else 0.0
+    x = points[:, 0]
+    miss = [float(points[k, 1] - _parabola(points[:k], x[k])) for k in range(3, len(points))]
+    reach = [float(abs(np.prod(x[k] - x[k - 3 : k]))) for k in range(3, len(points))]
+    bend = max((abs(m) / r for m, r in zip(miss[:-1], reach[:-1], strict=True)), default=np.inf)
+    return miss[-1] if abs(miss[-1]) > 4 * bend * reach[-1] + 8 * step + 1e-6 else 0.0
 
 
 def _to_the_end(upper: Array, lower: Array, path: Path) -> tuple[Array, Array]:

@@ -75,7 +75,7 @@ def read(path: Path) -> Rows:
             elif len(tokens) == 1 and values:
                 singles.append((number, int(values[0])))
             continue
-        if ended or values[0] == values[1] >= 999.0:
+        if ended or (rows and values[0] == values[1] and values[0] in (999.0, 999.9, 9999.0)):
             if ended:
                 refuse(path, f"a second element follows the separator '{lines[ended - 1].strip()}'",
                        "one element a file: the flow is about a single section", ended)  # fmt: skip

@@ -45,8 +45,7 @@ class Aero(Slave):
         parameter("max_subiterations", 25, "", "Most subiterations a step", min=3, max=1000),
         parameter("max_step", 0.5, "1", "Longest internal step in chords of travel at freestream speed", min=1e-3, max=10.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
-        parameter("section_file", "", "", "CSV file that takes the points of the airfoil's file, its contour and the mesh surface at "
-                  "the start (empty: none)"),
+        parameter("section_file", "", "", "CSV file that takes file points, contour and mesh surface at the start (empty: none)"),
         prediction("motion"),
         *motion_inputs(),
         input_("write_fields", False, "", "Write mesh, Mach field and surface pressure at the end of this step"),
