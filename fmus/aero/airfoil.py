@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import airfoil_text
-from .airfoil_order import apart, far_enough, loop
+from .airfoil_order import apart, check_gaps, far_enough, loop
 from .airfoil_shape import Shape, crossing, shape
 from .airfoil_tail import closed, sides
 from .airfoil_text import refuse
@@ -78,6 +78,7 @@ def from_file(path: Path) -> Section:
     chain = loop(rows, path)
     chain = apart(chain)
     _check_crossing(chain.points, chain.lines, path, "the contour crosses itself")
+    check_gaps(chain, path)
     found = sides(chain, path)
     points, over = closed(found, path)
     points = _thinned(points)

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 FEWEST = 20
 _JUMP = 0.5
 """Two points in a row that are this far apart [chords] belong to different sides."""
+_GAP = 0.35
+"""Two neighbours that are farther apart than this [chords] have points missing between them."""
 _SAME = 1e-9
 """Two points in a row that are closer [chords] are one."""
 _REMEDY = "Selig order (trailing edge, upper side, nose, lower side) or Lednicer order with counts"
@@ -119,14 +121,21 @@ def _check_ends(points: Array, path: Path) -> None:
     if min(ends[0][0], ends[1][0]) < 0.98 and length[-1] > 0.02 and (length[-1] > 2.5 * usual[-1] or length[-1] > 0.3):
         refuse(path, f"the first and last points are at x/c {ends[0][0]:.3f} and {ends[1][0]:.3f}, not at the trailing edge "
                f"both or side by side", _REMEDY)  # fmt: skip
-    worst = int(np.argmax(length))
-    if length[worst] > 0.35:
-        refuse(path, f"no points between x/c {points[worst, 0]:.3f} and {following[worst, 0]:.3f}", "add the points missing")
     fore, aft = (np.ptp(points[(points[:, 0] > a) & (points[:, 0] < b), 1]) if np.any((points[:, 0] > a) & (points[:, 0] < b))
                  else 0.0 for a, b in ((-1.0, 0.12), (0.88, 2.0)))  # fmt: skip
     if aft > 1.5 * fore and aft > 0.03:
         refuse(path, f"{fore:.3f} chords high at its low-x end and {aft:.3f} at the other: the nose seems to be behind",
                "x from the nose to the trailing edge")  # fmt: skip
+
+
+def check_gaps(chain: Loop, path: Path) -> None:
+    """Refuse a loop with a gap that no curve through the points can fill."""
+    following = np.roll(chain.points, -1, axis=0)
+    length = np.linalg.norm(following - chain.points, axis=1)
+    worst = int(np.argmax(length))
+    if length[worst] > _GAP:
+        between = f"x/c {chain.points[worst, 0]:.3f} (line {chain.lines[worst]}) and {following[worst, 0]:.3f}"
+        refuse(path, f"no points between {between}", "add the points missing")
 
 
 def apart(chain: Loop) -> Loop:

