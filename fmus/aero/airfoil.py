@@ -91,9 +91,8 @@ def from_file(path: Path) -> Section:
     few = len(points) - 1 < 0.8 * len(chain.points) or len(chain.points) < 0.5 * chain.count
     said = [f"{chain.count} points" + (f" ({len(points) - 1} used, the others too close to them)" if few else "")]
     if found.base > 0:
-        said.append(f"base {found.base:.2%} {found.said + ', ' if found.said else ''}closed over {over.removeprefix('the ')}"
-                    if not over.startswith("a wedge") else
-                    f"base {found.base:.2%} {found.said + ', ' if found.said else ''}closed by {over}")  # fmt: skip
+        how = [f"base {found.base:.2%}", found.said] if found.said else [f"base {found.base:.2%}"]
+        said.append(f"{', '.join(how)}{',' if found.said else ''} closed {over}")
     else:
         said.append("sharp trailing edge")
     said += chain.notes

@@ -200,10 +200,10 @@ def closed(found: Sides, path: Path) -> tuple[Array, str]:
         return points, ""
     sign = np.where(np.arange(len(points)) < len(found.upper) - 1, -1.0, 1.0)
     x = points[:, 0]
-    share, over = x, "a wedge over the chord"
+    share, over = x, "by a wedge over the chord"
     if not _leaves_enough(found):
         reach = max(0.05, 4 * found.base)
-        share, over = np.maximum(x - (1 - reach), 0.0) ** 2 / reach**2, f"the last {reach:.0%} of the chord"
+        share, over = np.maximum(x - (1 - reach), 0.0) ** 2 / reach**2, f"over the last {reach:.0%} of the chord"
     middle = 0.5 * (points[0] + points[-1])
     points = points + np.column_stack([np.zeros(len(points)), sign * 0.5 * found.base * share])
     points[0] = points[-1] = middle

@@ -138,7 +138,7 @@ def tab(thickness: float, ahead: float) -> np.ndarray:
 def test_a_wedge_that_would_cross_or_choke_a_thin_tail_is_kept_short(tmp_path: Path, thickness: float, ahead: float) -> None:
     points = tab(thickness, ahead)
     found = section(written(tmp_path, text(points, 12)))
-    assert "closed over last 5%" in found.summary
+    assert "closed over the last 5%" in found.summary
     fore = found.contour[:, 0] < 0.949
     assert distance(found.contour[fore], points) < 1e-9
     assert abs(circle_map(found.contour).lift_coefficient(0.0)) < 1e-6
