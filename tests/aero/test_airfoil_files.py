@@ -134,7 +134,7 @@ def tab(thickness: float, ahead: float) -> np.ndarray:
     return np.vstack([np.column_stack([x, y]), np.column_stack([x, -y])[::-1][1:]])
 
 
-@pytest.mark.parametrize(("thickness", "ahead"), [(0.006, 0.93), (0.005, 0.8), (0.003, 1.0), (0.007, 0.95)])
+@pytest.mark.parametrize(("thickness", "ahead"), [(0.006, 0.93), (0.005, 0.8), (0.003, 1.0), (0.0045, 0.95)])
 def test_a_wedge_that_would_cross_or_choke_a_thin_tail_is_kept_short(tmp_path: Path, thickness: float, ahead: float) -> None:
     points = tab(thickness, ahead)
     found = section(written(tmp_path, text(points, 12)))

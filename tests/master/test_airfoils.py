@@ -1,4 +1,4 @@
-"""The airfoil of a case: known to the FMU or a file, else refused with its place and the nearest name; files by their full path."""
+"""The airfoil of a case: known to the FMU or a file, else refused with place and nearest name; files by their full path."""
 
 from __future__ import annotations
 
