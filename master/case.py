@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import case_checks, settings
+from master import airfoils, case_checks, settings
 from master.errors import AeroSloshError
 from master.settings import key, rule
 
@@ -249,11 +249,10 @@ def load(path: Path, overrides: Sequence[str] = (), command: str = "") -> Case:
         raise AeroSloshError("This is a system file, not a case", str(path), f"aeroslosh run {path}")
     settings.fill(case, TABLES, data, lines, path)
     case.given = {f"{table}.{name}" for table, content in data.items() for name in content}
-    beside = path.parent / case.flow.airfoil
-    if beside.is_file():  # a coordinate file is named relative to the case, wherever the command runs
-        case.flow.airfoil = str(beside.resolve())
     for override in overrides:
         _override(case, override)  # checked together at the end: two overrides may belong together
+    # from here on a coordinate file is named by its full path, wherever the command runs
+    case.flow.airfoil = airfoils.found(case.flow.airfoil, path, bool(airfoils.set_by(overrides)))
     if command:
         case_checks.complete(case, command, str(path))
     case_checks.together(case, str(path))

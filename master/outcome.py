@@ -195,6 +195,8 @@ def march_summary(data: dict[str, Any]) -> str:
         lines.append(f"  the motion as computed: {data['motion_verdict']}")
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
+    if data.get("airfoil_summary"):
+        lines.append(airfoil_line(data["airfoil_summary"]))
     cost = data["cost"]
     shares = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items())
     steady = f", steady start {cost['steady_cpu_seconds']:.1f} s" if "steady_cpu_seconds" in cost else ""
@@ -203,6 +205,11 @@ def march_summary(data: dict[str, Any]) -> str:
         f"{data['steps']} steps ({shares}, master {100 * cost['master_share']:.1f} %{steady})"
     )
     return "\n".join(lines)
+
+
+def airfoil_line(summary: str) -> str:
+    """The line that tells of the section."""
+    return f"  airfoil      {summary}"
 
 
 def boundary_summary(points: list[dict[str, Any]]) -> str:

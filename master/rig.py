@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from master import case_checks, slosh
+from master import airfoils, case_checks, slosh
 from master.case import Case
 from master.component import Component, Saved
 from master.errors import AeroSloshError, ComponentError
@@ -28,6 +28,7 @@ aero.lift -> structure.lift
 aero.moment -> structure.moment
 """
 NEEDED = ("structure", "aero")
+LOADS = ("lift", "moment")
 
 
 def find_fmus(folder: Path, *models: str) -> dict[str, Path]:
@@ -48,7 +49,9 @@ class FlutterRig:
     """Structure, aero and slosh FMU at one Mach number. Use as a context manager.
 
     `start(V_f)` makes the structure of that V_f and rewinds the aero FMU to its steady flow: what a march
-    begins with. `tank` is the liquid (None when dry).
+    begins with. `tank` is the liquid (None when dry). `section_file`: where the aero
+    FMU writes the points of the airfoil's file and the wall of the mesh. Raises AeroSloshError, for an airfoil that gives no
+    mesh as bad input.
     """
 
     def __init__(
@@ -58,6 +61,7 @@ class FlutterRig:
         mach: float,
         field_folder: Path | None = None,
         say: Callable[[str], None] = lambda text: None,
+        section_file: Path | None = None,
     ) -> None:
         case_checks.complete(case, "rig", case.source)
         self.case, self.mach = case, mach
@@ -77,7 +81,7 @@ class FlutterRig:
             surrogate = self.tank.surrogate if self.tank else None
             self.system = assemble(components, wires(lines), case.coupling, {"slosh": surrogate} if surrogate else {})
             say(f"steady flow at Mach {mach:g}")
-            self._solve_steady(field_folder)
+            self._solve_steady(field_folder, section_file)
             opened.pop_all()
         self.steady_cpu = self.aero.cpu
 
@@ -93,6 +97,11 @@ class FlutterRig:
         if self._steady is None:
             raise AeroSloshError("The rig is closed", "FlutterRig.steady", "open a new one")
         return self._steady
+
+    @property
+    def airfoil_summary(self) -> str:
+        """What the aero FMU says of its section in a line; empty where it says nothing."""
+        return str(self.aero.get("airfoil_summary")) if "airfoil_summary" in self.aero.variables else ""
 
     @property
     def exchanges_whole_loads(self) -> bool:
@@ -177,10 +186,9 @@ class FlutterRig:
             other.initialize()
             if "converged" in other.variables and not other.get("converged"):
                 return None
-            self.aero.rewind(self.steady)
             s = scales(self.case, self.mach, self.case.flutter.V_f)
             q = 0.5 * s.density * s.speed**2 * 2.0 * s.half_chord * STEP
-            lift, moment = ((other.get(name) - self.aero.get(name)) / q for name in ("lift", "moment"))
+            lift, moment = ((other.get(name) - load) / q for name, load in zip(LOADS, self._steady_loads, strict=True))
             return SteadySlopes(lift, moment / (2.0 * s.half_chord))
         except ComponentError:
             return None
@@ -204,17 +212,25 @@ class FlutterRig:
         given = {name: getattr(case.aero, name) for name in ("tolerance", "max_subiterations")}
         return values | {name: value for name, value in given.items() if value != "auto"}
 
-    def _solve_steady(self, field_folder: Path | None) -> None:
+    def _solve_steady(self, field_folder: Path | None, section_file: Path | None) -> None:
         """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""
         aero, values = self.aero, self._aero_parameters(self.case)
         if field_folder is not None:
             values["field_folder"] = str(field_folder)
+        if section_file is not None and "section_file" in aero.variables:
+            values["section_file"] = str(section_file)
         aero.set_all(values)
-        aero.initialize()
+        try:
+            aero.initialize()
+        except ComponentError as error:
+            if (said := airfoils.fault(error.what)) is None:
+                raise
+            raise AeroSloshError(said, f'{airfoils.KEY} = "{self.case.flow.airfoil}"', error.remedy) from None
         if "converged" in aero.variables and not aero.get("converged"):
             raise AeroSloshError(
                 f"The steady flow at Mach {self.mach:g} did not converge (residual {aero.get('residual'):.1e})",
                 str(aero.path),
                 "an unconverged start ruins the damping: change aero.cells_around or aero.tolerance",
             )
+        self._steady_loads = tuple(aero.get(name) for name in LOADS)
         self._steady = aero.save()

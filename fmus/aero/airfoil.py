@@ -1,4 +1,4 @@
-"""Airfoil contours: NACA 4-digit, NACA 6A-series and coordinate files.
+"""The section of a flow: a NACA name or a coordinate file becomes a closed contour, with what was done to it in words.
 
 A contour is an array of shape (n, 2) in chords, in Selig order: trailing edge, upper side, leading edge, lower side, trailing
 edge. Its first and last points are the same sharp trailing edge; the leading edge is at x = 0, the trailing edge at x = 1.
@@ -8,25 +8,36 @@ from __future__ import annotations
 
 import csv
 import re
-from functools import cache
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
+
+from . import airfoil_text
+from .airfoil_order import apart, check_gaps, far_enough, loop
+from .airfoil_shape import Shape, crossing, shape
+from .airfoil_tail import closed, sides
+from .airfoil_text import refuse
+from .naca import AirfoilError, naca4, naca6a
 
 Array = NDArray[np.float64]
 
-_POINTS = 400
-"""Stations a side of an analytic contour; the mapping interpolates between them with splines."""
+_DENSE = 1000
+"""More points than these are thinned out to what the mapping can use."""
+_AWAY = 0.005
+"""A section whose nose and trailing edge are both farther than this [chords] from y = 0, on one side, is moved there."""
 
-_MAX_BASE = 0.02
-"""Largest open trailing edge [chords] that is closed without asking: above it the section is another section."""
 
+@dataclass(frozen=True)
+class Section:
+    """name: as given; contour: shape (n, 2), chords; read: the file's points in the same axes, (m, 2), empty for a NACA name;
+    summary: what it is and what was done to the file, one line."""
 
-class AirfoilError(ValueError):
-    """A name or a file that gives no usable section; the message says what, where and the remedy."""
+    name: str
+    contour: Array
+    read: Array
+    summary: str
 
 
 def contour(airfoil: str) -> Array:
@@ -34,228 +45,117 @@ def contour(airfoil: str) -> Array:
 
     Raises AirfoilError for an unknown name, a missing or malformed file, a self-intersecting or too coarse contour.
     """
+    return section(airfoil).contour
+
+
+def section(airfoil: str) -> Section:
+    """The section of a NACA name or of a coordinate file. Raises AirfoilError as `contour` does."""
     name = airfoil.strip()
     code = re.sub(r"^NACA[\s_-]*", "", name, flags=re.IGNORECASE).upper()
-    if re.fullmatch(r"\d{4}", code):
-        return naca4(code)
-    if re.fullmatch(r"6[345]A\d{3}", code):
-        return naca6a(code)
+    if re.fullmatch(r"[0-9]{4}", code):
+        return _named(f"NACA {code}", naca4(code))
+    if re.fullmatch(r"6[345]A[0-9]{3}", code):
+        return _named(f"NACA {code}", naca6a(code))
     path = Path(name)
-    if path.is_file():
-        return read_coordinates(path)
+    try:
+        found = bool(name) and path.is_file()
+    except (OSError, ValueError):  # a name too long, or with a byte 0
+        found = False
+    if found:
+        return from_file(path)
     raise AirfoilError(
         f"airfoil '{airfoil}': neither a NACA 4-digit name (0012), a NACA 6A name (64A010, 63A415) nor a readable "
         "coordinate file. Remedy: give one of these, a file by its full path"
     )
 
 
-def naca4(code: str) -> Array:
-    """NACA 4-digit section with closed trailing edge (last thickness coefficient −0.1036). NASA TM 4741."""
-    m, p, t = int(code[0]) / 100, int(code[1]) / 10, int(code[2:]) / 100
-    if t <= 0:
-        raise AirfoilError(f"airfoil 'NACA {code}': zero thickness. Remedy: a thickness of 1 to 40 percent, as in 0012")
-    if m > 0 and p == 0:
-        raise AirfoilError(f"airfoil 'NACA {code}': camber without position. Remedy: a second digit of 1 to 9, as in 2412")
-    x = _cosine_stations()
-    half = 5 * t * (0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
-    half[-1] = 0.0
-    if m == 0:
-        return _assemble(x, half, np.zeros_like(x), np.zeros_like(x))
-    fore = x < p
-    camber = np.where(fore, m / p**2 * (2 * p * x - x**2), m / (1 - p) ** 2 * (1 - 2 * p + 2 * p * x - x**2))
-    slope = np.where(fore, 2 * m / p**2 * (p - x), 2 * m / (1 - p) ** 2 * (p - x))
-    return _assemble(x, half, camber, slope)
+def from_file(path: Path) -> Section:
+    """Section of a coordinate file (what is read: module `airfoil_text`; how it is closed: `airfoil_tail`).
 
-
-def naca6a(code: str) -> Array:
-    """NACA 6A section, e.g. 64A010: family 63A/64A/65A, design lift in tenths, thickness in percent.
-
-    Thickness form by scaling Theodorsen's epsilon and psi until the thickness fits; straight sides from x = 0.82 to a sharp
-    trailing edge, as there; mean line a = 0.8 (modified). Ladson and Brooks, NASA TM X-3069 (1974); NASA TM 4741 (1996).
+    Raises AirfoilError naming file, line where there is one, what was seen and the remedy.
     """
-    family, lift, t = code[:3], int(code[3]) / 10, int(code[4:]) / 100
-    if not 0.03 <= t <= 0.21:
-        raise AirfoilError(
-            f"airfoil 'NACA {code}': thickness {t:.0%} outside 3 to 21 percent, where the 6A forms are defined. "
-            "Remedy: e.g. 64A010"
-        )
-    x = _cosine_stations()
-    half = _thickness_6a(family, t, x)
-    camber, slope = _mean_line_08_modified(x, lift)
-    return _assemble(x, half, camber, slope)
+    rows = airfoil_text.read(path)
+    chain = loop(rows, path)
+    chain = apart(chain)
+    _check_crossing(chain.points, chain.lines, path, "the contour crosses itself")
+    check_gaps(chain, path)
+    found = sides(chain, path)
+    points, over = closed(found, path)
+    points = _thinned(points)
+    _check_crossing(points, None, path, f"the contour crosses itself once its base of {found.base:.2%} is closed")
+    nose, tail = points[np.argmin(points[:, 0])], points[0]
+    aside = float(tail[1]) if nose[1] * tail[1] > 0 and min(abs(nose[1]), abs(tail[1])) > _AWAY else 0.0
+    points = points - np.array([0.0, aside])
+    measured = shape(points)
+    _check_shape(measured, path)
+    few = len(points) - 1 < 0.8 * len(chain.points) or len(chain.points) < 0.5 * chain.count
+    said = [f"{chain.count} points" + (f" ({len(points) - 1} used, the others too close to them)" if few else "")]
+    if found.base > 0:
+        how = [f"base {found.base:.2%}", found.said] if found.said else [f"base {found.base:.2%}"]
+        said.append(f"{', '.join(how)}{',' if found.said else ''} closed {over}")
+    else:
+        said.append("sharp trailing edge")
+    said += chain.notes
+    if abs(chain.chord - 1) > 1e-9 or abs(chain.start) > 1e-9:
+        said.append(f"scaled from x {chain.start:g} to {chain.start + chain.chord:g}")
+    if aside:
+        said.append(f"moved by {-aside:+.4f} chords in y together with its axis")
+    seen = np.column_stack([(rows.points[:, 0] - chain.start) / chain.chord, rows.points[:, 1] / chain.chord - aside])
+    return Section(str(path), points, seen, f"{path.name}: {', '.join(said)}; {_measures(measured)}")
 
 
-def read_coordinates(path: Path) -> Array:
-    """Contour from a file in Selig or Lednicer order (a title line is optional), shape (n, 2), chords.
+def write_csv(path: Path, found: Section, surface: Array) -> None:
+    """File points and mesh surface, shape (n, 2), chords, as a table: what, x, y. For pictures.
 
-    Raises AirfoilError naming file and line for anything that is not a simple closed section.
+    Raises AirfoilError where the file cannot be written.
     """
-    rows: list[tuple[float, float]] = []
+    parts = (("file", found.read), ("contour", found.contour), ("mesh", surface))
     try:
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        with path.open("w", encoding="utf-8", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(("what", "x", "y"))
+            table.writerows((what, repr(float(x)), repr(float(y))) for what, points in parts for x, y in points)
     except OSError as error:
-        raise AirfoilError(f"airfoil file '{path}': {error}. Remedy: a readable text file") from error
-    for number, line in enumerate(lines, start=1):
-        words = line.replace(",", " ").split()
-        if not words or words[0].startswith("#"):
-            continue
-        try:
-            values = [float(word) for word in words]
-        except ValueError:
-            if rows:
-                raise AirfoilError(
-                    f"airfoil file '{path}', line {number}: '{line.strip()}' is not two numbers. Remedy: one 'x y' a line"
-                ) from None
-            continue  # a title
-        if len(values) != 2 or not np.all(np.isfinite(values)):
-            raise AirfoilError(
-                f"airfoil file '{path}', line {number}: '{line.strip()}' is not two finite numbers. Remedy: one 'x y' a line"
-            )
-        rows.append((values[0], values[1]))
-    points = np.array(rows, dtype=float).reshape(-1, 2)
-    if len(points) and points[0].min() > 1.5 and np.allclose(points[0], np.round(points[0])):
-        points = _lednicer_to_selig(points, path)
-    return _clean(points, path)
+        raise AirfoilError(f"section_file '{path}' cannot be written ({error.strerror}). Remedy: a folder that exists") from None
 
 
-def _cosine_stations() -> Array:
-    """Stations from leading (0) to trailing edge (1), shape (_POINTS,), dense at both ends."""
-    return 0.5 * (1 - np.cos(np.linspace(0, np.pi, _POINTS)))
+def _named(name: str, points: Array) -> Section:
+    return Section(name, points, np.empty((0, 2)), f"{name} by its formula, sharp trailing edge; {_measures(shape(points))}")
 
 
-def _assemble(x: Array, half: Array, camber: Array, slope: Array) -> Array:
-    """Contour from half thickness laid off normal to a mean line, all of shape (n,), leading edge first."""
-    angle = np.arctan(slope)
-    upper = np.column_stack([x - half * np.sin(angle), camber + half * np.cos(angle)])
-    lower = np.column_stack([x + half * np.sin(angle), camber - half * np.cos(angle)])
-    upper[-1] = lower[-1] = (1.0, 0.0)
-    return np.vstack([upper[::-1], lower[1:]])
+def _measures(s: Shape) -> str:
+    """Thickness, camber, nose radius and chord line in words."""
+    bow = f"camber {s.camber:+.2%} at x/c {s.camber_at:.2f}" if abs(s.camber) > 5e-5 else "no camber"
+    tilt = f", chord line at {np.degrees(s.chord_line):+.2f} deg to the x axis" if abs(s.chord_line) > np.radians(0.05) else ""
+    return f"thickness {s.thickness:.2%} at x/c {s.thickness_at:.2f}, {bow}, leading-edge radius {s.nose_radius:.2%}{tilt}"
 
 
-@cache
-def _forms_6a() -> dict[str, tuple[CubicSpline, CubicSpline]]:
-    """Splines of epsilon(phi) and psi(phi) a family, from naca6a.csv."""
-    text = (Path(__file__).parent / "naca6a.csv").read_text(encoding="utf-8").splitlines()
-    table = list(csv.DictReader(line for line in text if not line.startswith("#")))
-    forms = {}
-    for family in sorted({row["family"] for row in table}):
-        rows = [row for row in table if row["family"] == family]
-        phi, epsilon, psi = (np.array([float(row[key]) for row in rows]) for key in ("phi", "epsilon", "psi"))
-        # epsilon is odd and psi even about both ends by the symmetry of the section
-        forms[family] = (
-            CubicSpline(phi, epsilon, bc_type=((2, 0.0), (2, 0.0))),
-            CubicSpline(phi, psi, bc_type=((1, 0.0), (1, 0.0))),
-        )
-    return forms
+def _thinned(points: Array) -> Array:
+    """The contour of a dense file without the points that the mapping does not need: of more than 1,000 those stay that are
+    farther apart than 400 cosine stations a side. Closer ones carry the file's rounding as a wavy surface."""
+    nose, n = int(np.argmin(points[:, 0])), len(points)
+    if n <= _DENSE:
+        return points
+    x = np.clip(points[:, 0], 0.0, 1.0)
+    least = np.pi / 400 * np.sqrt(x * (1 - x)) + 1e-4
+    keep = far_enough(points, nose, least)
+    return points[keep]
 
 
-def _thickness_6a(family: str, t: float, x: Array) -> Array:
-    """Half thickness at stations x, shape like x, of a 6A basic form of thickness ratio t."""
-    epsilon, psi = _forms_6a()[family]
-    phi = np.linspace(0, np.pi, 2001)
-
-    def shape(scale: float) -> tuple[Array, Array]:
-        angle = phi - epsilon(phi) * scale
-        along = -2 * np.cosh(psi(phi) * scale) * np.cos(angle)
-        up = 2 * np.sinh(psi(phi) * scale) * np.sin(angle)
-        length = along[-1] - along[0]
-        return (along - along[0]) / length, up / length
-
-    scale = brentq(lambda s: 2 * shape(s)[1].max() - t, 0.05, 3.0, xtol=1e-12)
-    station, half = shape(scale)
-    # in sqrt(x) the round nose is a straight line, so that a spline holds there
-    spline = CubicSpline(np.sqrt(station), half)
-    joint = 0.82
-    result = np.where(x < joint, spline(np.sqrt(x)), spline(np.sqrt(joint)) * (1 - x) / (1 - joint))
-    result[0] = result[-1] = 0.0
-    return np.asarray(result, dtype=float)
+def _check_crossing(points: Array, lines: NDArray[np.int64] | None, path: Path, what: str) -> None:
+    met = crossing(points)
+    if met is None:
+        return
+    first, second = (f"x/c {points[k, 0]:.4f}" + ("" if lines is None else f" (line {lines[k]})") for k in met)
+    refuse(path, f"{what}, between {first} and {second}", "check order and duplicates of the points")
 
 
-def _mean_line_08_modified(x: Array, lift: float) -> tuple[Array, Array]:
-    """Ordinate and slope of the mean line a = 0.8 (modified) for a design lift coefficient. NASA TM 4741, p. 8."""
-    if lift == 0:
-        return np.zeros_like(x), np.zeros_like(x)
-    a = 0.8
-    g = -(a**2 * (0.5 * np.log(a) - 0.25) + 0.25) / (1 - a)
-    h = (0.5 * (1 - a) ** 2 * np.log(1 - a) - 0.25 * (1 - a) ** 2) / (1 - a) + g
-
-    def xlog(y: Array) -> Array:
-        return np.where(np.abs(y) > 1e-14, y * np.log(np.maximum(np.abs(y), 1e-300)), 0.0)
-
-    # slope at the very nose is infinite: TM 4741 keeps the one at x = 0.005
-    steep = np.maximum(x, 0.005)
-
-    def ordinate(s: Array) -> Array:
-        z = 0.5 * (a - s) * xlog(a - s) - 0.5 * (1 - s) * xlog(1 - s) + 0.25 * (1 - s) ** 2 - 0.25 * (a - s) ** 2
-        return lift / (2 * np.pi * (a + 1)) * (z / (1 - a) - xlog(s) + g - h * s)
-
-    camber = 0.97948 * ordinate(x)
-    derivative = -xlog(a - steep) + xlog(1 - steep)
-    slope = 0.97948 * lift / (2 * np.pi * (a + 1)) * (derivative / (1 - a) - 1 - np.log(steep) - h)
-    straight = (slope <= -0.24521 * lift) | (x > 0.87)
-    return np.where(straight, 0.24521 * lift * (1 - x), camber), np.where(straight, -0.24521 * lift, slope)
-
-
-def _lednicer_to_selig(points: Array, path: Path) -> Array:
-    """Reorder "counts, upper from the nose, lower from the nose" as one loop from the trailing edge."""
-    upper_count, lower_count = (int(v) for v in points[0])
-    if len(points) != 1 + upper_count + lower_count:
-        raise AirfoilError(
-            f"airfoil file '{path}': its counts {upper_count} + {lower_count} do not match its {len(points) - 1} points. "
-            "Remedy: correct the second line"
-        )
-    upper, lower = points[1 : 1 + upper_count], points[1 + upper_count :]
-    start = 1 if np.allclose(upper[0], lower[0]) else 0
-    return np.vstack([upper[::-1], lower[start:]])
-
-
-def _clean(points: Array, path: Path) -> Array:
-    """Scale to unit chord, close the trailing edge, run upper side first; refuse what is no simple section."""
-    keep = np.ones(len(points), dtype=bool)
-    keep[1:] = np.any(np.diff(points, axis=0) != 0, axis=1)
-    points = points[keep]
-    if len(points) < 20:
-        raise AirfoilError(f"airfoil file '{path}': {len(points)} points. Remedy: 20 or more, 60 to 200 for good accuracy")
-    nose, chord = points[:, 0].min(), np.ptp(points[:, 0])
-    points = np.column_stack([(points[:, 0] - nose) / chord, points[:, 1] / chord])
-    area = 0.5 * np.sum(points[:, 0] * np.roll(points[:, 1], -1) - np.roll(points[:, 0], -1) * points[:, 1])
-    if area < 0:
-        points = points[::-1]
-    if min(points[0, 0], points[-1, 0]) < 0.98:
-        raise AirfoilError(
-            f"airfoil file '{path}': the first and last points are at x/c {points[0, 0]:.3f} and {points[-1, 0]:.3f}, not at "
-            "the trailing edge. Remedy: Selig order (trailing edge, upper side, nose, lower side) or Lednicer order with counts"
-        )
-    crossing = _self_intersection(points)
-    if crossing is not None:
-        first, second = crossing
-        raise AirfoilError(
-            f"airfoil file '{path}': the contour crosses itself between x/c {points[first, 0]:.4f} (point {first + 1}) and "
-            f"x/c {points[second, 0]:.4f} (point {second + 1}). Remedy: check order and duplicates of the points"
-        )
-    gap = float(points[0, 1] - points[-1, 1])
-    if abs(gap) > _MAX_BASE or gap < -1e-9:
-        raise AirfoilError(
-            f"airfoil file '{path}': trailing edge open by {gap:.4f} chords. Remedy: at most {_MAX_BASE}, upper side above lower"
-        )
-    # a blunt base is closed by a wedge over the whole chord, the usual change that keeps nose and curvature
-    middle = 0.5 * (points[0] + points[-1])
-    nose_index = int(np.argmin(points[:, 0]))
-    sign = np.where(np.arange(len(points)) < nose_index, -1.0, 1.0)
-    points = points + np.column_stack([np.zeros(len(points)), sign * 0.5 * gap * points[:, 0]])
-    points[0] = points[-1] = middle
-    points[:, 0] /= middle[0]
-    return points
-
-
-def _self_intersection(points: Array) -> tuple[int, int] | None:
-    """Indices of two segments that cross, or None. All pairs at once: n is a few hundred."""
-    start, end = points[:-1], points[1:]
-
-    def side(a: Array, b: Array, c: Array) -> Array:
-        return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
-
-    a, b, c, d = start[:, None], end[:, None], start[None], end[None]
-    crossed = (side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)
-    i, j = np.nonzero(crossed)
-    return (int(i[0]), int(j[0])) if len(i) else None
+def _check_shape(s: Shape, path: Path) -> None:
+    """Refuse what is no section: sides that meet, a thickness or an inclination out of all proportion."""
+    if s.least <= 0:
+        refuse(path, f"no thickness at x/c {s.least_at:.3f}", "upper side above the lower one all along")
+    if not 0.008 < s.thickness < 0.6:
+        refuse(path, f"a thickness of {s.thickness:.2%}", "x and y in the same unit, between 0.8 and 60 percent thick")
+    if abs(s.chord_line) > np.radians(10):
+        refuse(path, f"a chord line {np.degrees(s.chord_line):.1f} degrees off the x axis",
+               "coordinates along the chord, the incidence as mean_alpha")  # fmt: skip

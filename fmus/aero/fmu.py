@@ -11,6 +11,7 @@ from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import input_, output, parameter
 from . import vtk
+from .airfoil import section, write_csv
 from .control import Settings, together
 from .field import Motion
 from .freestream import Freestream, between
@@ -44,6 +45,7 @@ class Aero(Slave):
         parameter("max_subiterations", 25, "", "Most subiterations a step", min=3, max=1000),
         parameter("max_step", 0.5, "1", "Longest internal step in chords of travel at freestream speed", min=1e-3, max=10.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
+        parameter("section_file", "", "", "CSV file that takes file points, contour and mesh surface at the start (empty: none)"),
         prediction("motion"),
         *motion_inputs(),
         input_("write_fields", False, "", "Write mesh, Mach field and surface pressure at the end of this step"),
@@ -57,11 +59,14 @@ class Aero(Slave):
         output("refactorings", "", "Linearisations since the start", type=int, depends=MOTION, depends_initially=("alpha",)),
         output("retries", "", "Repetitions of the last step with smaller pseudo-steps", type=int, depends=MOTION,
                depends_initially=("alpha",)),
+        output("airfoil_summary", "", "The section, and what was done to its file: points, base, thickness, camber",
+               type=str),
     )  # fmt: skip
 
     def prepare(self) -> None:
         """Mesh and stream from the parameters."""
-        mesh = o_mesh(self.airfoil, self.cells_around, self.cells_normal, self.farfield_chords)
+        self.section = section(self.airfoil)
+        mesh = o_mesh(self.section, self.cells_around, self.cells_normal, self.farfield_chords)
         settings = Settings(tolerance=self.tolerance, max_subiterations=self.max_subiterations)
         self.flow = Flow(mesh, self.mach, self.elastic_axis, settings)
         self.stream = Freestream(self.mach, self.static_pressure, self.static_temperature, self.chord)
@@ -75,6 +80,9 @@ class Aero(Slave):
             self.steady, self.steady_report = self.flow.save(), report
         self.flow.restore(self.steady)
         self.steps = 0
+        self.airfoil_summary = self.section.summary
+        if self.section_file:
+            write_csv(Path(self.section_file), self.section, self.flow.mesh.node[0])
         self.motion = self._motion()
         self._publish(self.steady_report)
 

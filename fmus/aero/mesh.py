@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from .airfoil import contour
-from .conformal import CircleMap, circle_map
+from .airfoil import Section, section
+from .conformal import CircleMap, MappingError, circle_map
 
 Array = NDArray[np.float64]
 
@@ -54,8 +54,8 @@ class Mesh:
         return self.volume.shape[0], self.volume.shape[1]
 
 
-def o_mesh(airfoil: str, cells_around: int, cells_normal: int, farfield_chords: float) -> Mesh:
-    """Mesh of a NACA name or coordinate file with its outer boundary about farfield_chords away.
+def o_mesh(airfoil: str | Section, cells_around: int, cells_normal: int, farfield_chords: float) -> Mesh:
+    """Mesh of a section, of a NACA name or of a coordinate file with its outer boundary about farfield_chords away.
 
     Raises AirfoilError, MappingError or MeshError (all ValueError) with what, where and remedy.
     """
@@ -64,7 +64,11 @@ def o_mesh(airfoil: str, cells_around: int, cells_normal: int, farfield_chords: 
             f"cells_around = {cells_around}, cells_normal = {cells_normal}: at least 64 and 16 are needed. "
             "Remedy: e.g. 168 and 48"
         )
-    circle = circle_map(contour(airfoil))
+    found = section(airfoil) if isinstance(airfoil, str) else airfoil
+    try:
+        circle = circle_map(found.contour)
+    except MappingError as error:
+        raise MappingError(f"airfoil '{found.name}': {error}") from None
     rho = _radii(cells_around, cells_normal, farfield_chords / circle.radius)
     z = circle.points(rho, cells_around)
     z[0, 0] = circle.fixed[0]

@@ -47,6 +47,7 @@ def execute(options: argparse.Namespace) -> int:
     case = common.load_case(options, "boundary", changes)
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
+    common.check_airfoil(options, case, fmus["aero"])
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         told = common.tell(options, [case], "boundary", folder.log)
@@ -65,13 +66,15 @@ def execute(options: argparse.Namespace) -> int:
         label = slosh.LABEL[case.slosh.model]
         if case.boundary.method == "linear" and case.slosh.model not in ("none", "frozen"):
             label += ", carried frozen by the linear method"
-        text = f"Flutter boundary of {case.name}, {label}\n{summary}\n  cost         {spent}"
+        section = [outcome.airfoil_line(kept.airfoil)] if kept.airfoil else []
+        text = "\n".join([f"Flutter boundary of {case.name}, {label}", summary, *section, f"  cost         {spent}"])
         with common.printed(options, data, text, folder):
             if case.output.pictures:
                 from master import boundary_plot, vg_plot
 
                 published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
                 boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
+                common.draw_airfoil(case, folder, kept.airfoil)
                 for p in points:
                     vg_plot.draw(p, *kept.range, folder.path / f"vg_M{p.mach:g}.png")
         return _exit_code(points)
@@ -84,6 +87,7 @@ class Kept:
 
     def __init__(self, case: Case, folder: RunFolder, told: dict[str, Any]) -> None:
         self.case, self.folder, self.hashes, self._told = case, folder, dict[str, str](), told
+        self.airfoil = ""  # what the aero FMU says of its section
         self._rows: list[dict[str, Any]] = []
         self._finished = self._written = 0
         self._begin = clock.perf_counter(), clock.process_time()
@@ -93,6 +97,7 @@ class Kept:
         cost = {"wall_seconds": clock.perf_counter() - self._begin[0], "cpu_seconds": clock.process_time() - self._begin[1]}
         return {
             "slosh": self.case.slosh.model,
+            "airfoil_summary": self.airfoil or None,
             "points": self._rows,
             "unfinished": self.case.boundary.mach[self._finished :],
             "cost": cost,
@@ -171,8 +176,10 @@ def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) ->
 
     def on_rig(rig: FlutterRig) -> None:
         kept.hashes.update(rig.hashes())
+        kept.airfoil = rig.airfoil_summary
 
-    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig)
+    section = common.section_file(folder) if case.output.pictures else None
+    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section)
 
 
 def _exit_code(points: list[BoundaryPoint]) -> int:

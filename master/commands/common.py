@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from master import airfoils, case_checks, checkpoint, plausible
 from master import case as cases
-from master import case_checks, checkpoint, plausible
 from master.case import Case
 from master.checkpoint import Checkpoint, Keeper
 from master.component import Component
@@ -110,6 +110,23 @@ def tell(options: argparse.Namespace, asked: Sequence[Case], command: str, log: 
         if not options.json:
             print(text, file=sys.stderr, flush=True)
     return {"defaults": case_checks.defaults(asked[0], command), "warnings": doubts}
+def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
+    """Refuse an airfoil that the FMU `aero` does not know, before anything starts. Raises AeroSloshError."""
+    where = airfoils.place(options.case, options.set)
+    airfoils.check(case.flow.airfoil, where, aero, options.case.parent, Path())
+
+
+def draw_airfoil(case: Case, folder: RunFolder, summary: str) -> None:
+    """airfoil.png, from the table that the aero FMU wrote (section_file)."""
+    if case.output.pictures and section_file(folder).is_file():
+        from master import airfoil_plot  # matplotlib takes half a second to import
+
+        airfoil_plot.draw(section_file(folder), folder.path / "airfoil.png", summary)
+
+
+def section_file(folder: RunFolder) -> Path:
+    """Where the section of a run is written."""
+    return folder.path / "airfoil.csv"
 
 
 def run_folder(options: argparse.Namespace, name: str) -> Path:

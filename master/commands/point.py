@@ -36,6 +36,7 @@ def execute(options: argparse.Namespace) -> int:
     case = common.load_case(options, "point", {"flow.mach": options.mach, "flutter.V_f": options.vf})
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
+    common.check_airfoil(options, case, fmus["aero"])
     files, settings = _files(case, fmus), cases.flat(case)
     hashes = {name: fmu_cache.sha256(path) for name, path in files.items()}
     # all this before the steady flow, which may take minutes
@@ -52,14 +53,16 @@ def execute(options: argparse.Namespace) -> int:
         elif case.output.fields:
             fields = folder.path / "fields"
             fields.mkdir()
-        with FlutterRig(case, fmus, mach, fields, lambda text: common.say(text, folder, progress)) as rig:
+        section = common.section_file(folder) if case.output.pictures else None
+        with FlutterRig(case, fmus, mach, fields, lambda text: common.say(text, folder, progress), section) as rig:
+            airfoil = rig.airfoil_summary
             about = provenance(hashes)
             for loop in rig.system.loops:
                 folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
             common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
             march = flutter.march(rig, V_f, fields, progress.watch, keeper, start)
-            data = outcome.march_data(march, rig.steady_cpu) | told
+            data = outcome.march_data(march, rig.steady_cpu) | told | {"airfoil_summary": airfoil or None}
             common.log_messages(rig.system.components, folder)
         folder.keep()  # a failed march's history is worth keeping
         summary = outcome.march_summary(data)
@@ -72,6 +75,7 @@ def execute(options: argparse.Namespace) -> int:
             if fields is not None and march.fields:
                 pvd.write_beside(fields, {pvd.number(path): tau / march.scales.omega_alpha for tau, path in march.fields})
             _draw(case, march, folder, progress)
+            common.draw_airfoil(case, folder, airfoil)
         if march.failure is not None:
             show(march.failure)
             return ExitCode.COMPONENT

@@ -10,11 +10,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from master import airfoils
 from master import case as cases
 from master.case import Case
 from master.commands import common
 from master.errors import AeroSloshError, ExitCode
 from master.record import provenance, source_hash
+from master.rig import find_fmus
 from master.sweeps import estimate, plan, report, sweep
 from master.sweeps.jobs import Job, Product
 from master.sweeps.parameters import Parameter, from_case, from_words
@@ -59,6 +61,10 @@ def execute(options: argparse.Namespace) -> int:
     if options.retry_failed and not options.resume:
         raise AeroSloshError("--retry-failed without --resume", "command line", "failed points of a sweep are retried with both")
     case, parameters = _case(options)
+    if options.resume:
+        _airfoil_as_begun(options, case)
+    if airfoils.KEY not in [p.name for p in parameters]:
+        common.check_airfoil(options, case, find_fmus(options.fmus)["aero"])
     wanted = plan.make(case, parameters, options.fmus, str(options.case))
     folder = common.run_folder(options, case.name).absolute()
     progress = SweepProgress(options.quiet or options.json)
@@ -132,6 +138,16 @@ def _case(options: argparse.Namespace) -> tuple[Case, list[Parameter]]:
     parameters = [from_words(text, f"--{flags[0]}") for text in getattr(options, flags[0])]
     case.sweep.parameters = {p.name: p.written for p in parameters}  # so that the folder's case.toml says it all
     return case, parameters
+
+
+def _airfoil_as_begun(options: argparse.Namespace, case: Case) -> None:
+    """A relative coordinate file of --set that is not there from here is the one that the sweep in the folder began with."""
+    word, begun = case.flow.airfoil, common.run_folder(options, case.name) / "case.toml"
+    if airfoils.is_file(word) or Path(word).is_absolute() or not airfoils.is_file(begun):
+        return
+    kept = Path(cases.load(begun).flow.airfoil)
+    if kept.is_absolute() and airfoils.is_file(kept) and kept.parts[-len(Path(word).parts) :] == Path(word).parts:
+        case.flow.airfoil = str(kept)
 
 
 def _make_folder(folder: Path, resume: bool) -> None:

@@ -210,7 +210,7 @@ def _point(job: Job, bench: Bench) -> Computed:
     """One march."""
     rig = bench.rig(job)
     march = flutter.march(rig, job.case.flutter.V_f)
-    result = outcome.march_data(march, rig.steady_cpu)
+    result = outcome.march_data(march, rig.steady_cpu) | {"airfoil_summary": rig.airfoil_summary or None}
     failure = march.failure
     cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
     return Computed(result, trust.verdict(march) is not Verdict.UNDETERMINED, [march], cause, trace)

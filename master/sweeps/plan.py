@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
+from master import airfoils, fmu_cache, settings, toml_text
 from master import case as cases
-from master import fmu_cache, settings, toml_text
 from master.case import Case
 from master.errors import AeroSloshError
 from master.rig import find_fmus
@@ -59,7 +59,8 @@ class Plan:
 def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: str) -> Plan:
     """Every point of the sweep of `case` over `parameters`; `where` is the case's file, for messages.
 
-    Raises AeroSloshError for a key or value that is none, a point whose keys do not go together, FMUs that are missing."""
+    Raises AeroSloshError for a key or value that is none, an airfoil that is none, a point whose keys do not go together, FMUs
+    that are missing."""
     kind = case.sweep.command
     if not parameters:
         remedy = 'write [sweep.parameters] with lines like "flow.mach" = [0.7, 0.8], or give --grid flow.mach=0.7,0.8'
@@ -72,12 +73,17 @@ def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: s
     bare = dataclasses.replace(copy.deepcopy(case), sweep=cases.Sweep(), output=cases.Output())
     digests: dict[Path, str] = {}
     points: dict[str, Point] = {}
+    known: set[str] = set()
     combinations = _combinations(case, parameters, where)
     for n, values in enumerate(combinations, start=1):
         overrides = dict(zip(names, values, strict=True))
         text = ", ".join(f"{name} = {toml_text.literal(value)}" for name, value in overrides.items())
         own = cases.changed(bare, _keys(kind, overrides, where), f"{where}, point {n} of the sweep ({text})", kind)
         files = _files(own, fmu_folder, digests)
+        if airfoils.KEY in names and own.flow.airfoil not in known:
+            place = parameters[names.index(airfoils.KEY)].where
+            airfoils.check(own.flow.airfoil, place, files["aero"][0], Path(where).parent, Path())
+            known.add(own.flow.airfoil)
         label = _identity(kind, own, files)
         points.setdefault(label, Point(label, len(points), overrides, own, files))
     base = {name: value for name, value in _content(kind, bare).items() if name not in names}
@@ -173,9 +179,9 @@ def _keys(kind: str, overrides: Mapping[str, Any], where: str) -> dict[str, Any]
     keys = dict(overrides)
     if kind == "boundary" and "flow.mach" in keys:
         keys["boundary.mach"] = [keys["flow.mach"]]
-    airfoil = keys.get("flow.airfoil")
-    if isinstance(airfoil, str) and (Path(where).parent / airfoil).is_file():
-        keys["flow.airfoil"] = str((Path(where).parent / airfoil).resolve())
+    airfoil = keys.get(airfoils.KEY)
+    if isinstance(airfoil, str):
+        keys[airfoils.KEY] = airfoils.found(airfoil, Path(where), set_=False)
     return keys
 
 

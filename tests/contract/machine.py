@@ -28,7 +28,7 @@ from raw import DISCARD, OK, Raw, bits, kind
 FOLDER = sys.argv[1] if len(sys.argv) > 1 else ""
 # what makes a run slow, or reads and writes files
 KEPT = ("cells_around", "cells_normal", "cells_x", "cells_y", "max_subiterations", "max_step", "cfl", "tolerance", "airfoil",
-        "network", "field_folder", "farfield_chords", "write_fields")  # fmt: skip
+        "network", "field_folder", "section_file", "farfield_chords", "write_fields")  # fmt: skip
 KIT = ("asked ", "stop time", "value reference", "this state", "refused", " is fixed")  # words of what the kit refuses
 SMALL = st.floats(-0.05, 0.05)
 NUMBERS = st.one_of(SMALL, SMALL, SMALL, st.sampled_from([0.0, 1e-300, 1e6, -1e15, 1e308]), st.floats(width=64))
