@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from master import apparent_mass
 from master import scheme as schemes
 from master.case import Case
 from master.channels import History
@@ -59,7 +60,8 @@ class March:
     slosh          the liquid's model; its channels are in the history where it has them
     scheme         what the coupling scheme took (`Statistics.data`)
     settled        whether more cycles could not change the verdict; `remedy` says what to do where there is none
-    stiffness      pitch stiffness that the steady flow leaves, over the structure's own; nan where not known"""
+    stiffness      pitch stiffness that the steady flow leaves, over the structure's own; nan where not known
+    note           what a user should know of how it was coupled"""
 
     scales: Scales
     history: dict[str, np.ndarray]
@@ -77,6 +79,7 @@ class March:
     settled: bool = True
     remedy: str = ""
     stiffness: float = math.nan
+    note: str = ""
 
     @property
     def tau(self) -> np.ndarray:
@@ -145,11 +148,13 @@ def march(
     `field_folder`: where the rig's aero FMU writes flow fields; four instants of the last free period are asked for.
     `keeper` writes checkpoints; from one (`checkpoint`) the march goes on as if it had not been interrupted.
     """
+    rig.slopes()  # for the verdict: part of the steady start, not of the march
     begin_wall, begin_cpu = clock.perf_counter(), clock.process_time()
     before = {c.name: c.cpu for c in rig.system.everyone}
     case, system, s = rig.case, rig.system, rig.start(V_f)
     flutter = case.flutter
-    scheme, statistics = schemes.make(case.coupling), Statistics()
+    coupling, note = apparent_mass.coupling(case, rig.mach, rig.tank.liquid if rig.tank and rig.tank.carried else None)
+    scheme, statistics = schemes.make(coupling), Statistics()
     if keeper is not None:
         keeper.check(system)
     scheme.reset(system)
@@ -221,8 +226,8 @@ def march(
     cost = Cost({c.name: c.cpu - before[c.name] for c in system.everyone}, wall, cpu, done)
     table = history.finish(done + 1, s)
     if judged is None:
-        judged = _judged(table, span, s, rig)
-    judged = _checked(judged, table, release, stopped, statistics.failed, done)
+        judged = _judged(table, span, s, rig, s.steps_per_cycle // 4 if stopped else s.steps_per_cycle)
+    judged = _checked(judged, table, release, stopped, statistics.failed, done, rig.stiffness(V_f))
     return March(
         s,
         table,
@@ -240,13 +245,14 @@ def march(
         judged.settled,
         judged.remedy,
         rig.stiffness(V_f),
+        note,
     )
 
 
-def _judged(table: dict[str, np.ndarray], span: Span, s: Scales, rig: FlutterRig) -> Judgement:
-    """Fit and verdict of the free part, if there is enough of it."""
+def _judged(table: dict[str, np.ndarray], span: Span, s: Scales, rig: FlutterRig, enough: int = 0) -> Judgement:
+    """Fit and verdict of the free part, if there are `enough` samples of it."""
     tau, free = table["tau"][span.release :], np.vstack([table["h_over_b"], table["alpha"]])[:, span.release :]
-    if tau.size < s.steps_per_cycle:
+    if tau.size < enough:
         return Judgement(Verdict.UNDETERMINED, "the free response is shorter than one period", False, None, MORE)
     said = judge(tau, free, analyse(tau, free), rig.case.flutter.neutral_band, rig.stiffness(s.V_f))
     if span.release + tau.size - 1 >= span.least or said.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE, Verdict.UNDETERMINED):
@@ -255,7 +261,9 @@ def _judged(table: dict[str, np.ndarray], span: Span, s: Scales, rig: FlutterRig
     return Judgement(Verdict.UNDETERMINED, f"the free response is shorter than {slower}", False, said.fit, MORE)
 
 
-def _checked(judged: Judgement, table: dict[str, np.ndarray], release: int, stopped: str, failed: int, steps: int) -> Judgement:
+def _checked(
+    judged: Judgement, table: dict[str, np.ndarray], release: int, stopped: str, failed: int, steps: int, stiffness: float
+) -> Judgement:
     """`judged` in the light of how the march ended."""
     if failed > 0.05 * max(1, steps):
         reason = f"the coupling iteration did not converge in {failed} steps"
@@ -267,7 +275,12 @@ def _checked(judged: Judgement, table: dict[str, np.ndarray], release: int, stop
     first = float(np.max(alpha[: max(2, alpha.size // 3)])) if alpha.size else 0.0
     forced = float(np.max(np.abs(table["alpha"][: release + 1])))
     if alpha.size and alpha[-1] > TIMES_LARGER * max(forced, 1e-300) and alpha[-1] > 1.05 * first:
-        return Judgement(Verdict.FLUTTER, f"the motion grows out of reach: {stopped}", True, judged.fit)
+        # the largest motion so far, on one side since it was half as large: it does not oscillate any more
+        late = table["alpha"][release:][np.flatnonzero(alpha < 0.5 * alpha[-1])[-1] :] if np.any(alpha < 0.5 * alpha[-1]) else alpha
+        static = stiffness < 0.0 and bool(np.all(np.abs(np.diff(np.sign(late))) == 0.0))
+        verdict = Verdict.DIVERGENCE if static else Verdict.FLUTTER
+        how = "without oscillating" if static else "out of reach"
+        return Judgement(verdict, f"the motion grows {how}: {stopped}", True, judged.fit)
     return Judgement(
         Verdict.UNDETERMINED, stopped, False, judged.fit, "a smaller flutter.forced_amplitude_deg, or a greater max_alpha_deg"
     )

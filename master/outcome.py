@@ -57,6 +57,7 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "unconverged_steps": march.unconverged,
         "scheme": march.scheme,
         "stopped": march.stopped or None,
+        "note": march.note or None,
         "failure": march.failure.what if march.failure else None,
         "cost": {
             "wall_seconds": cost.wall,
@@ -193,6 +194,8 @@ def march_summary(data: dict[str, Any]) -> str:
             lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
     if data["slosh_holds"] is False:
         lines.append(f"  the motion as computed: {data['motion_verdict']}")
+    if data["note"]:
+        lines.append(f"  note: {data['note']}")
     if data["stopped"]:
         lines.append(f"  note: {data['stopped']}")
     if data.get("airfoil_summary"):

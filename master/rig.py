@@ -193,6 +193,7 @@ class FlutterRig:
         except ComponentError:
             return None
         finally:
+            self.steady_cpu += other.cpu
             other.close()
 
     def _aero_parameters(self, case: Case) -> dict[str, float | int | str]:

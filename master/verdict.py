@@ -59,7 +59,8 @@ def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: 
     if fit is None:
         return Judgement(Verdict.UNDETERMINED, "nothing could be fitted to the free response", False, None, "add free cycles")
     cycle = _settled_amplitude(tau, channels, fit)
-    if cycle is not None:
+    linear = describes(fit) and fit.flutter.frequency and max(c := _own_change(fit, fit.flutter), 1.0 / c) < AMPLITUDE_CHANGE
+    if cycle and not linear:  # else another mode has died beside a neutral one
         return Judgement(Verdict.LIMIT_CYCLE, cycle, True, fit)
     whole = _by_fit(fit, neutral_band, stiffness)
     if whole.settled or describes(fit):
@@ -105,7 +106,8 @@ def _by_fit(fit: Fit, neutral_band: float, stiffness: float) -> Judgement:
     if abs(rate) <= max(neutral_band, doubt):
         change = _own_change(fit, critical)
         if max(change, 1.0 / change) > AMPLITUDE_CHANGE * math.exp(max(abs(rate), doubt) * (fit.end - fit.start)):
-            return Judgement(Verdict.LIMIT_CYCLE, f"the amplitude changes by a factor {change:.2f} and stays there", settled, fit)
+            reason = f"the amplitude has changed by a factor {change:.2f} and has not been steady for {LAST_PERIODS} periods yet"
+            return Judgement(Verdict.UNDETERMINED, reason, False, fit, "add free cycles (flutter.max_free_cycles)")
         return Judgement(Verdict.NEUTRAL, f"|growth rate| {abs(rate):.5f} is within {max(neutral_band, doubt):.5f}", settled, fit)
     if rate > 0.0:
         return Judgement(Verdict.FLUTTER, f"the free response grows at {rate:+.5f} omega_alpha", settled, fit)
@@ -136,18 +138,18 @@ def _own_change(fit: Fit, critical: Mode) -> float:
     return float(size[1] / max(size[0], 1e-300))
 
 
-def _settled_amplitude(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> str | None:
-    """What to say of a response whose amplitude has changed and then settled; None of any other.
+def _settled_amplitude(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> str:
+    """What to say of a response whose amplitude has changed and then settled; nothing of any other.
 
     The last periods must have one amplitude, each alone and as a trend, and more of them than the change took: an extremum of a
     beat is no limit."""
     main = max(fit.modes, key=lambda m: m.share * math.exp(min(m.growth_rate * (fit.end - fit.start), 50.0)), default=None)
     if main is None:
-        return None
+        return ""
     period = 2.0 * np.pi / main.frequency
     periods = int((tau[-1] - tau[0]) / period)
     if periods < 2 * LAST_PERIODS:
-        return None
+        return ""
     ends = tau[-1] - period * np.arange(periods, -1, -1)
     spans = np.array(
         [0.5 * np.ptp(channels[-1, (tau >= a - 1e-9) & (tau <= b + 1e-9)]) for a, b in itertools.pairwise(ends)]
@@ -156,9 +158,9 @@ def _settled_amplitude(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> str |
     near = np.abs(spans / last - 1.0) <= SETTLED if last > 0.0 else np.zeros(periods, dtype=bool)
     steady = periods - 1 - int(np.flatnonzero(~near)[-1]) if not near.all() else periods
     if steady < max(LAST_PERIODS, periods // 2) or steady == periods:
-        return None
+        return ""
     trend = np.polyfit(np.arange(steady), spans[-steady:], 1)[0] * steady / last
     ratio = spans[0] / last
     if abs(trend) > SETTLED or max(ratio, 1.0 / max(ratio, 1e-300)) < AMPLITUDE_CHANGE:
-        return None
+        return ""
     return f"the amplitude of pitch goes from {spans[0]:.4f} to {last:.4f} rad and has stayed there for {steady} periods"

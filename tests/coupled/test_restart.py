@@ -312,7 +312,7 @@ def test_a_flutter_march_goes_on_to_the_bit(point: Call, tmp_path: Path, changes
 
 def test_a_longer_march(point: Call, tmp_path: Path) -> None:
     """More free cycles from the checkpoint of a march that ended: the long march, to the bit."""
-    file, words = str(tmp_path / "march.npz"), list(BARE)
+    file, words = str(tmp_path / "march.npz"), [*BARE, *sets("flutter.max_free_cycles=1.5")]  # as long as asked for
     assert (
         point("whole", *words, *sets("flutter.free_cycles=4")) == ExitCode.UNDETERMINED
     )  # linear slosh does not hold at 1 degree
@@ -394,7 +394,7 @@ def test_the_predicted_vof_march_goes_on_to_the_bit(
         (fmus / path.name).symlink_to(path)
     changes = sets(
         "slosh.predictor=ems", "slosh.cells_x=32", "slosh.cells_y=16", "flutter.steps_per_cycle=24", "flutter.free_cycles=1.5",
-        "flutter.forced_cycles=0.5", "flutter.forced_ramp_cycles=0.5", "slosh.modes=5",
+        "flutter.forced_cycles=0.5", "flutter.forced_ramp_cycles=0.5", "slosh.modes=5", "flutter.max_free_cycles=1.5",
     )  # fmt: skip
     file, words = str(tmp_path / "march.npz"), ["--slosh", "vof", "--no-pictures", *changes]
     for scheme in ("gauss-seidel", "implicit"):

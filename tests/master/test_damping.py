@@ -210,3 +210,10 @@ def test_fit_reproduces_curve_and_envelope() -> None:
     inside = t >= fit.start
     assert np.max(np.abs(fit.curve(t[inside]) - y[:, inside])) < 1e-9
     assert fit.envelope(np.array([10.0]))[1, 0] == pytest.approx(0.017 * np.exp(-0.2), rel=1e-8)
+
+
+def test_a_neutral_mode_beside_one_that_dies_is_no_limit_cycle() -> None:
+    """The amplitude falls and settles, as in a limit cycle reached from above; two linear modes explain it."""
+    t = tau(25)
+    y = beat(t, 0.0, -0.08, ratio=0.8)
+    assert said(t, y) is Verdict.NEUTRAL
