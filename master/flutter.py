@@ -276,8 +276,9 @@ def _checked(
     forced = float(np.max(np.abs(table["alpha"][: release + 1])))
     if alpha.size and alpha[-1] > TIMES_LARGER * max(forced, 1e-300) and alpha[-1] > 1.05 * first:
         # the largest motion so far, on one side since it was half as large: it does not oscillate any more
-        late = table["alpha"][release:][np.flatnonzero(alpha < 0.5 * alpha[-1])[-1] :] if np.any(alpha < 0.5 * alpha[-1]) else alpha
-        static = stiffness < 0.0 and bool(np.all(np.abs(np.diff(np.sign(late))) == 0.0))
+        small = np.flatnonzero(alpha < 0.5 * alpha[-1])
+        late = table["alpha"][release + (int(small[-1]) if small.size else 0) :]
+        static = stiffness < 0.0 and bool(np.all(late > 0.0) or np.all(late < 0.0))
         verdict = Verdict.DIVERGENCE if static else Verdict.FLUTTER
         how = "without oscillating" if static else "out of reach"
         return Judgement(verdict, f"the motion grows {how}: {stopped}", True, judged.fit)
