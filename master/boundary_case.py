@@ -21,12 +21,12 @@ def solve(
     on_march: Callable[[FlutterRig, March], None] = lambda rig, march: None,
     before_march: Callable[[FlutterRig, float], flutter.Watcher | None] = lambda rig, V_f: None,
     on_rig: Callable[[FlutterRig], None] = lambda rig: None,
-    section_file: Path | None = None,
+    section_file: Callable[[], Path | None] = lambda: None,
 ) -> list[BoundaryPoint]:
     """All Mach numbers of `case.boundary`.
 
     `on_rig` sees each rig, `before_march` gives the watcher of a march's steps, `on_march` and `on_point` see what
-    is done; `section_file` is where the section is written for a picture. Raises AeroSloshError
+    is done; `section_file` says where a rig writes its section for a picture. Raises AeroSloshError
     (not ComponentError: a failing component is an outcome of its Mach number)."""
     rigs: dict[float, FlutterRig] = {}
 
@@ -35,7 +35,7 @@ def solve(
 
     def marcher_at(mach: float) -> tuple[Marcher, Any]:
         rigs.clear()
-        rig = rigs[mach] = open_rig(case, mach, section_file)
+        rig = rigs[mach] = open_rig(case, mach, section_file())
         on_rig(rig)
 
         def marcher(V_f: float) -> March:

@@ -178,8 +178,10 @@ def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) ->
         kept.hashes.update(rig.hashes())
         kept.airfoil = rig.airfoil_summary
 
-    section = common.section_file(folder) if case.output.pictures else None
-    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section)
+    def section_file() -> Path | None:
+        return common.section_file(folder) if case.output.pictures else None  # the folder's name changes with the first point
+
+    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section_file)
 
 
 def _exit_code(points: list[BoundaryPoint]) -> int:

@@ -32,8 +32,8 @@ def test_steady_slopes_and_divergence_are_the_thin_airfoil_s(fmus: dict[str, Pat
     with FlutterRig(case, fmus, 0.3) as rig:
         slopes = rig.slopes()
         assert slopes is not None
-        assert slopes.C_L == pytest.approx(2.0 * np.pi, rel=1e-9)
-        assert slopes.C_M == pytest.approx(0.3 * np.pi, rel=1e-9)  # pi (a + 1/2), a = -0.2
+        assert pytest.approx(2.0 * np.pi, rel=1e-9) == slopes.C_L
+        assert pytest.approx(0.3 * np.pi, rel=1e-9) == slopes.C_M  # pi (a + 1/2), a = -0.2
         assert rig.divergence() == pytest.approx(theory.divergence(case), rel=1e-9) == pytest.approx(0.6455, rel=1e-4)
         assert rig.stiffness(rig.divergence()) == pytest.approx(0.0, abs=1e-9)
     case.section.elastic_axis = 0.2
