@@ -13,19 +13,21 @@ import numpy as np
 
 from master.flutter import March
 from master.roots import Crossing, Sample
+from master.verdict import describes
 
-ABOVE, BELOW = (1.02, 1.05), 0.96  # of the promised V_f
+ABOVE, BELOW = (1.02, 1.05, 1.09, 1.13), 0.96  # of the promised V_f; the later ones where a nearer one cannot be read
 SHARE = 0.05  # of a channel, from which a growing real pole is read
 Marcher = Callable[[float], March]
 
 
 def growing_sample(march: March) -> Sample:
-    """The growth rate of the real pole that grows most (frequency 0); none where no real pole grows clearly."""
+    """The growth rate of the real pole that most of the motion is of (frequency 0); none where it does not grow clearly."""
     fit, V_f = march.fit, march.scales.V_f
-    reals = [m for m in fit.reals if m.share >= SHARE and m.growth_rate > 3.0 * m.growth_rate_std] if fit is not None else []
-    if not reals or march.failure is not None or fit is None:
+    mode = max(fit.reals, key=lambda m: m.share, default=None) if fit is not None else None
+    if fit is None or mode is None or march.failure is not None or not describes(fit):
         return Sample(V_f, math.nan, math.nan, math.nan)
-    mode = max(reals, key=lambda m: m.growth_rate)
+    if mode.share < SHARE or mode.growth_rate < 3.0 * mode.growth_rate_std:
+        return Sample(V_f, math.nan, math.nan, math.nan)
     std = fit.growth_rate_uncertainty if mode is fit.flutter else 2.0 * mode.growth_rate_std
     return Sample(V_f, mode.growth_rate, std, 0.0)
 
@@ -46,11 +48,15 @@ def confirm(
     """The marched V_f of the divergence promised at `V_f`, the marches, and what they say when they do not confirm it.
 
     `rate`: the real eigenvalue over omega_alpha that a model has at a V_f; without it the line through both marches serves."""
-    marches = [marcher(factor * V_f) for factor in (*ABOVE, BELOW)]
-    seen = [s for s in map(growing_sample, marches[:2]) if s.known]
-    rest = comes_to_rest(marches[2])
+    marches = [marcher(BELOW * V_f)]
+    rest, seen = comes_to_rest(marches[0]), list[Sample]()
+    for factor in ABOVE:
+        if len(seen) == 2 or (factor > ABOVE[2] and not seen):
+            break
+        marches.append(marcher(factor * V_f))
+        seen += [s for s in [growing_sample(marches[-1])] if s.known]
     if not seen or not rest:
-        grown = f"{len(seen)} of 2 marches above it grow without oscillating"
+        grown = f"{len(seen)} of {len(marches) - 1} marches above it grow without oscillating"
         return None, marches, f"{grown}; the one below it {'comes to rest' if rest else 'does not come to rest'}"
     if rate is not None:
         step = 1e-3 * V_f
@@ -67,7 +73,7 @@ def confirm(
     apart = abs(roots[1] - roots[0]) if len(roots) == 2 else 0.25 * abs(seen[0].V_f - found)
     parts = {"fit": seen[0].std / slope, "interpolation": apart}
     crossing = Crossing(found, 0.0, "onset", slope, True, parts)
-    met = crossing.uncertainty <= tolerance * found and BELOW * V_f < found < ABOVE[1] * V_f
+    met = crossing.uncertainty <= tolerance * found and BELOW * V_f < found < ABOVE[0] * V_f
     return Crossing(found, 0.0, "onset", slope, True, parts, met=bool(met)), marches, ""
 
 

@@ -284,7 +284,8 @@ def _sensitivity(tau: np.ndarray, z: np.ndarray, base: Solution, critical: Mode)
     trials["constant"] = refine(tau, z, replace(base.poles, constant=not base.poles.constant))
     total, parts = np.zeros(2), {}
     for name, trial in trials.items():
-        found = _nearest(trial, critical) if trial is not None and (name != "order" or not _has_close_pair(trial)) else None
+        doubtful = trial is not None and name in ("order", "constant") and _has_close_pair(trial)
+        found = _nearest(trial, critical) if trial is not None and not doubtful else None
         if found is None:
             continue
         value, variance = found
