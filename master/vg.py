@@ -16,6 +16,7 @@ from master.boundary import BoundaryPoint
 from master.linear import BAND, LinearModel
 from master.similarity import scales
 
+WIDE, ALIKE = 1.6, 1.35  # ratios of V_f, and of |eigenvalue| / V_f, by which the flow's own poles are told
 QUICKLY_DAMPED = -0.8  # σ/ω_α: modes damped more than this everywhere are the flow's and the wake's own
 
 
@@ -29,16 +30,22 @@ def modes(model: LinearModel, low: float, high: float) -> list[dict[str, np.ndar
     for j in loci.upper():
         e = loci.eigenvalues[:, j]
         shown = (e.imag > 1e-6) & (e.imag <= BAND * _rate(model, V_f))
-        if shown.any() and e.real[shown].max() > QUICKLY_DAMPED:
-            e = np.where(shown, e, np.nan)
-            with np.errstate(invalid="ignore", divide="ignore"):
-                found.append({"V_f": V_f, "growth_rate": e.real, "frequency": e.imag, "damping": 2.0 * e.real / e.imag})
+        if shown.any() and e.real[shown].max() > QUICKLY_DAMPED and not _of_the_flow(V_f[shown], e[shown]):
+            rate, frequency = np.where(shown, e.real, np.nan), np.where(shown, e.imag, np.nan)
+            found.append({"V_f": V_f, "growth_rate": rate, "frequency": frequency, "damping": 2.0 * rate / frequency})
     real = loci.real()
     static = model.divergence()
     if low <= static <= high:
         nothing = np.full(V_f.size, np.nan)
         found.append({"V_f": V_f, "growth_rate": real, "frequency": np.where(np.isnan(real), np.nan, 0.0), "damping": nothing})
     return found
+
+
+def _of_the_flow(V_f: np.ndarray, e: np.ndarray) -> bool:
+    """Whether a damped locus `e` (n,) is of the flow alone, whose poles are constant per half chord: |e| goes as V_f."""
+    per_chord = np.abs(e) / V_f
+    wide = V_f[-1] > WIDE * V_f[0]
+    return bool(wide and e.real.max() < -0.005 and per_chord.max() < ALIKE * per_chord.min())
 
 
 def _rate(model: LinearModel, V_f: np.ndarray) -> np.ndarray:
