@@ -22,7 +22,7 @@ import numpy as np
 from master.pencil import pencil
 from master.poles import Poles, Solution, refine
 
-MOST = 12  # dimensions of the signal's space: two an oscillation, one a real pole
+MOST = 10  # dimensions of the signal's space: two an oscillation, one a real pole
 PATIENCE = 3  # orders tried without a better fit before the search ends
 VISIBLE = 0.02  # a pole counts when it makes this share of a channel
 SUSPECT = 1e-3, 10.0, 5.0  # a smaller one may yet: share, share over residual, growth rate over its noise at least
@@ -30,6 +30,7 @@ HARMONIC = 0.005  # relative distance from a multiple of a stronger mode's pole 
 PAIR_PAYS = 30.0  # by which a close pair of oscillations must lower the residual's variance
 FORECAST_SHARE = 2e-3  # a pole with less may be left out of a forecast
 DEAD = 0.05  # of the whole rms: what is left of a motion that has died
+CLEAN = 1e-3  # of the rms: a residual that leaves nothing to be gained from a later window
 SLOW = 3.0  # 1/span: a real pole slower than this is nearly a constant
 LONG = 12.0 * np.pi  # a window from which slow poles are looked for with a coarse pencil too
 SAMPLES = 1500  # longer signals are thinned to this many for the fit
@@ -183,6 +184,8 @@ def _choose(tau: np.ndarray, z: np.ndarray) -> tuple[Solution | None, int]:
     """The fit, and the first sample of its window."""
     best, start = _best_order(tau, z), 0
     if best is None or not len(best.poles.oscillations):
+        return best, 0
+    if best.variance < CLEAN**2:
         return best, 0
     omega = best.poles.oscillations[int(np.argmax(best.shares)), 1]
     cycle = 2.0 * np.pi / (omega * (tau[1] - tau[0]))

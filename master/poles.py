@@ -117,10 +117,16 @@ def refine(tau: np.ndarray, z: np.ndarray, first: Poles) -> Solution | None:
     if first.size == 0 or t.size * len(z) <= first.size + first.columns * len(z):
         return None
 
+    latest: dict[bytes, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+
     def parts(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        phi = first.like(p).basis(t)
-        q, r = np.linalg.qr(phi)
-        return phi, q, np.linalg.lstsq(r, q.T @ target, rcond=None)[0]
+        key = p.tobytes()  # the residual and its Jacobian are asked for at the same place
+        if key not in latest:
+            phi = first.like(p).basis(t)
+            q, r = np.linalg.qr(phi)
+            latest.clear()
+            latest[key] = phi, q, np.linalg.lstsq(r, q.T @ target, rcond=None)[0]
+        return latest[key]
 
     def residual(p: np.ndarray) -> np.ndarray:
         phi, _, c = parts(p)
@@ -139,7 +145,7 @@ def refine(tau: np.ndarray, z: np.ndarray, first: Poles) -> Solution | None:
         return np.column_stack([(d - q @ (q.T @ d)).T.ravel() for d in columns])
 
     try:
-        solution = least_squares(residual, first.vector(), jacobian, method="lm", xtol=1e-11, ftol=1e-13, gtol=1e-13, max_nfev=40)
+        solution = least_squares(residual, first.vector(), jacobian, method="lm", xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=30)
         p = solution.x
         if not np.all(np.isfinite(p)) or not _visible(first.like(p), t):
             return None

@@ -22,6 +22,8 @@ AMPLITUDE_CHANGE = 1.3  # what a neutral response does not do
 SETTLED = 0.02  # change of amplitude over the last periods that is none
 LAST_PERIODS = 5  # whose amplitudes are compared
 PART = 0.6  # of the response, tried where the whole is not described
+CERTAIN = 2.0 / 3.0  # of a growth rate: what twice its standard deviation may be, three of them tell its sign
+SMALL = 0.1  # of the critical mode's amplitude
 SAME = 0.03  # relative difference in frequency below which two poles are one mode that changes with amplitude
 SURE_STIFFNESS = 0.02  # relative pitch stiffness left by the steady flow that its sign is certain of
 LARGE = 0.2  # share of a channel from which a growing real pole is motion and no drift of the mean
@@ -59,8 +61,7 @@ def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: 
     if fit is None:
         return Judgement(Verdict.UNDETERMINED, "nothing could be fitted to the free response", False, None, "add free cycles")
     cycle = _settled_amplitude(tau, channels, fit)
-    linear = describes(fit) and fit.flutter.frequency and max(c := _own_change(fit, fit.flutter), 1.0 / c) < AMPLITUDE_CHANGE
-    if cycle and not linear:  # else another mode has died beside a neutral one
+    if cycle and not _died(fit):
         return Judgement(Verdict.LIMIT_CYCLE, cycle, True, fit)
     whole = _by_fit(fit, neutral_band, stiffness)
     if whole.settled or describes(fit):
@@ -95,7 +96,7 @@ def _by_fit(fit: Fit, neutral_band: float, stiffness: float) -> Judgement:
         critical = max(fit.modes, key=lambda m: m.growth_rate if m.share > 0.02 else -math.inf)  # a drift of the mean
     rate, std = critical.growth_rate, fit.growth_rate_uncertainty if critical is fit.flutter else critical.growth_rate_std
     doubt = 2.0 * std
-    known, certain = describes(fit), doubt <= max(neutral_band, 0.5 * abs(rate))
+    known, certain = describes(fit), doubt <= max(neutral_band, CERTAIN * abs(rate))
     if stiffness < -SURE_STIFFNESS or (critical.frequency == 0.0 and rate > max(neutral_band, doubt)):
         return _static(fit, critical, rate, doubt, stiffness, known and certain)
     if doubt > max(5.0 * neutral_band, abs(rate)):
@@ -127,6 +128,16 @@ def _static(fit: Fit, critical: Mode, rate: float, doubt: float, stiffness: floa
         return Judgement(Verdict.DIVERGENCE, f"{steady}: the section diverges statically", True, fit)
     reason = f"the free response grows without oscillating at {rate:+.5f} omega_alpha"
     return Judgement(Verdict.DIVERGENCE, "; ".join(filter(None, [reason, steady])), settled or sure, fit)
+
+
+def _died(fit: Fit) -> bool:
+    """Whether a linear response explains an amplitude that changes and settles: the section's other mode has died beside a neutral
+    one. What a limit cycle adds to a fit comes in several modes on both sides of it."""
+    critical = fit.flutter
+    if not describes(fit) or not critical.frequency or max(c := _own_change(fit, critical), 1.0 / c) > AMPLITUDE_CHANGE:
+        return False
+    size = [abs(m.amplitudes[-1]) / abs(critical.amplitudes[-1]) for m in fit.modes if m is not critical]
+    return sum(s > SMALL for s in size) == 1
 
 
 def _own_change(fit: Fit, critical: Mode) -> float:
