@@ -174,7 +174,7 @@ class Confirm:
         found.sort(key=lambda x: x.V_f)
         text = outcome_text(found, samples, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
         text = "; ".join([text, *[p.text for p in predictions if p.text and p.state != "confirmed"]])
-        sure = bool(found) and all(x.met for x in found) and any(x.source == "march" for x in found)
+        sure = any(x.source == "march" for x in found) and all(x.met for x in _bounding(found))
         return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions, checks)
 
     def _none_expected(self, marcher: Marcher, mach: float, model: LinearModel) -> BoundaryPoint:
@@ -198,6 +198,17 @@ class Confirm:
         text = f"no crossing: {word} in V_f {low:g} to {high:g} (linear model), damped in {len(known)} of {len(marches)} marches"
         agreed = agreed and word == "damped"
         return BoundaryPoint(mach, [], [sample(m) for m in marches], text, agreed, marches, 0.0, failure, model)
+
+
+def _bounding(found: list[Crossing]) -> list[Crossing]:
+    """Those of all crossings, in rising V_f, between stable and unstable V_f: not the ones of a pole beside another unstable one."""
+    unstable, bounding = 0, []
+    for c in found:
+        onset = c.direction == "onset"
+        if unstable == (0 if onset else 1):
+            bounding.append(c)
+        unstable = unstable + 1 if onset else max(0, unstable - 1)
+    return bounding
 
 
 def _hidden(c: LinearCrossing, model: LinearModel) -> str:

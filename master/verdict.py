@@ -131,7 +131,7 @@ def _static(fit: Fit, critical: Mode, rate: float, doubt: float, stiffness: floa
 
 
 def _died(fit: Fit) -> bool:
-    """Whether a linear response explains an amplitude that changes and settles: the section's other mode has died beside a neutral
+    """Whether a linear response explains an amplitude that changes and settles: the other mode has died beside a neutral
     one. What a limit cycle adds to a fit comes in several modes on both sides of it."""
     critical = fit.flutter
     if not describes(fit) or not critical.frequency or max(c := _own_change(fit, critical), 1.0 / c) > AMPLITUDE_CHANGE:
