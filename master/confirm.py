@@ -201,7 +201,7 @@ class Confirm:
 
 
 def _bounding(found: list[Crossing]) -> list[Crossing]:
-    """Those of all crossings, in rising V_f, between stable and unstable V_f: not the ones of a pole beside another unstable one."""
+    """Those of all crossings, in rising V_f, between stable and unstable V_f: not those of a pole beside an unstable one."""
     unstable, bounding = 0, []
     for c in found:
         onset = c.direction == "onset"

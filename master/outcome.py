@@ -24,6 +24,8 @@ def number(value: float | None) -> float | None:
 def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     """One march. Growth rate and frequency in units of omega_alpha; cost in seconds."""
     s, fit, cost = march.scales, march.fit, march.cost
+    # a divergence that the steady flow tells and no fit shows yet: the rate of an oscillation beside it would say stable
+    read = fit if fit is not None and not (march.verdict is Verdict.DIVERGENCE and fit.frequency) else None
     validity = trust.validity(march)
     stands = holds(validity)
     data: dict[str, Any] = {
@@ -36,11 +38,11 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "motion_verdict": str(march.verdict),
         "reason": march.reason if validity is None or stands else f"{broken(validity)}: {march.reason}",
         "remedy": (march.remedy or None) if stands else trust.remedy(march),
-        "growth_rate": number(fit.growth_rate) if fit else None,
-        "growth_rate_uncertainty": number(fit.growth_rate_uncertainty) if fit else None,
-        "frequency": number(fit.frequency) if fit else None,
-        "frequency_uncertainty": number(fit.frequency_uncertainty) if fit else None,
-        "damping_ratio": number(-fit.growth_rate / fit.frequency) if fit and fit.frequency else None,
+        "growth_rate": number(read.growth_rate) if read else None,
+        "growth_rate_uncertainty": number(read.growth_rate_uncertainty) if read else None,
+        "frequency": number(read.frequency) if read else None,
+        "frequency_uncertainty": number(read.frequency_uncertainty) if read else None,
+        "damping_ratio": number(-read.growth_rate / read.frequency) if read and read.frequency else None,
         "settled": march.settled,
         "free_cycles": max(0, march.tau.size - 1 - march.release) / s.steps_per_cycle,
         "modes": [_mode_data(m) for m in (fit.modes if fit else [])],

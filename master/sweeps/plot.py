@@ -15,7 +15,7 @@ SHOWN = {
     "point": ("growth_rate", "growth_rate_uncertainty", "growth rate $\\sigma/\\omega_\\alpha$"),
     "boundary": ("V_f", "V_f_uncertainty", "neutral $V_f$"),
 }
-COLORS = {"damped": GREEN, "flutter": RED, "neutral": BLUE, "limit cycle": BLUE}
+COLORS = {"damped": GREEN, "flutter": RED, "divergence": "#8c6bb1", "neutral": BLUE, "limit cycle": BLUE}
 PANELS = 6
 
 
@@ -32,6 +32,7 @@ def draw(table: Sequence[dict[str, Any]], kind: str, names: Sequence[str], grid:
         if grid and len(names) == len(numbers) == 2:
             figure, axis = plt.subplots(figsize=(6.6, 4.8), constrained_layout=True)
             _map(axis, known, numbers, value, label)
+            _static(axis, [(line[numbers[0]], line[numbers[1]]) for line in table if line.get("verdict") == "divergence"])
         else:
             shown = names[:PANELS]
             rows = -(-len(shown) // 2)
@@ -66,6 +67,13 @@ def _map(axis: Axes, known: Sequence[dict[str, Any]], names: Sequence[str], valu
     axis.set_xlabel(names[0])
     axis.set_ylabel(names[1])
     axis.grid(False)
+
+
+def _static(axis: Axes, places: Sequence[tuple[Any, Any]]) -> None:
+    """Triangles where the section diverges statically, with a growth rate or without."""
+    if places:
+        axis.plot(*zip(*places, strict=True), "^", color=COLORS["divergence"], ms=5, label="static divergence")
+        axis.legend(loc="upper left", fontsize=7)
 
 
 def _panel(
