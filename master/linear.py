@@ -50,7 +50,7 @@ class LinearCrossing:
     slope: float
     branch: int
     reduced_frequency: float
-    uncertainty: float = 0.0  # change of V_f under a model of two poles less that does not know the steady slopes
+    uncertainty: float = 0.0  # change of V_f under a model of two poles less; of divergence, under slopes from the other side
 
     @property
     def kind(self) -> str:
@@ -69,8 +69,9 @@ class LinearModel:
 
     fit_error    rms missed over rms, of C_L and C_M, in the records fitted: (2,)
     check_error  the same in the motion not fitted: (2,)
-    smaller      a model of two poles less from the sweeps alone: its neutral V_f differ by the model's own uncertainty
-    slopes       of the steady loads, from two steady solutions, which `aero` keeps to; None where they could not be had
+    smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty
+    slopes       of the steady loads, from two steady solutions, which the models keep to; None where they could not be had
+    other        the same from a steady solution on the other side: its divergence differs by the slopes' own uncertainty
     cpu          seconds: FMU and fit; steps: of the FMU
     note         what a user should know, or empty
     liquid       carried frozen by the section, whatever the slosh model; None when dry
@@ -89,6 +90,7 @@ class LinearModel:
     note: str
     liquid: Liquid | None = None
     slopes: SteadySlopes | None = None
+    other: SteadySlopes | None = None
     liquid_stiffness: float = 0.0  # at rest [N/rad per metre of span]
 
     def matrix(self, V_f: float) -> np.ndarray:
@@ -100,13 +102,14 @@ class LinearModel:
 
     def eigenvalues(self, V_f: float) -> np.ndarray:
         """Eigenvalues / omega_alpha with positive imaginary part, least damped first. Shape: (n,)."""
-        values = self.spectrum(V_f)
+        values = np.linalg.eigvals(self.matrix(V_f)) * _per_omega_alpha(self.case, V_f)
         values = values[values.imag > 1e-6]
         return values[np.argsort(-values.real)]
 
     def spectrum(self, V_f: float) -> np.ndarray:
-        """All eigenvalues / omega_alpha. Shape: (4 + 2 n,)."""
-        return np.linalg.eigvals(self.matrix(V_f)) * _per_omega_alpha(self.case, V_f)
+        """Eigenvalues / omega_alpha that what was swept can tell: no quicker than its highest frequency. Shape: (n,)."""
+        values = np.linalg.eigvals(self.matrix(V_f))
+        return values[np.abs(values) <= BAND] * _per_omega_alpha(self.case, V_f)
 
     def real(self, V_f: float) -> float:
         """The largest real eigenvalue / omega_alpha; nan where all oscillate."""
@@ -114,10 +117,10 @@ class LinearModel:
         values = values[np.abs(values.imag) <= 1e-6].real
         return float(values.max()) if values.size else math.nan
 
-    def divergence(self, aero: Rational | None = None) -> float:
-        """The V_f of static divergence by the steady gain of the model (or of `aero`); inf where there is none."""
-        aero = aero or self.aero
-        return SteadySlopes(*aero.steady).divergence(scales(self.case, self.mach, self.case.flutter.V_f), self.liquid_stiffness)
+    def divergence(self, slopes: SteadySlopes | None = None) -> float:
+        """The V_f of static divergence by the steady slopes (or `slopes`), else by the model's gain; inf where there is none."""
+        slopes = slopes or self.slopes or SteadySlopes(*self.aero.steady)
+        return slopes.divergence(scales(self.case, self.mach, self.case.flutter.V_f), self.liquid_stiffness)
 
     def loci(self, low: float, high: float) -> Loci:
         """All eigenvalues / omega_alpha over V_f in [low, high]."""
@@ -146,7 +149,7 @@ class LinearModel:
         if low <= static <= high:
             step = 1e-3 * static
             slope = (self.real(static + step) - self.real(static - step)) / (2.0 * step)
-            other = self.divergence(self.smaller)
+            other = self.divergence(self.other) if self.other is not None else math.inf
             doubt = abs(other - static) if math.isfinite(other) else 0.1 * static
             found.append(LinearCrossing(static, 0.0, "onset", slope, -1, 0.0, doubt))
         return sorted(found, key=lambda c: c.V_f)
@@ -171,7 +174,7 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
     slopes = rig.slopes()
     steady = np.array([slopes.C_L, slopes.C_M]) if slopes is not None else None
     aero = rational.fit(records, ORDER, SLOWEST, FASTEST, steady)
-    smaller = rational.fit(records, ORDER - 2, SLOWEST, FASTEST)
+    smaller = rational.fit(records, ORDER - 2, SLOWEST, FASTEST, steady)
     fit_error, check_error = np.max([aero.error(r) for r in records], axis=0), aero.error(check)
     return LinearModel(
         rig.case,
@@ -187,6 +190,7 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
         _note(check_error),
         rig.tank.liquid if rig.tank else None,
         slopes,
+        rig.slopes_below(),
         rig.tank.static_stiffness if rig.tank else 0.0,
     )
 

@@ -42,9 +42,11 @@ class Loci:
     eigenvalues: np.ndarray
     neutral: list[Neutral]
 
-    def real(self) -> np.ndarray:
-        """The largest real eigenvalue at each parameter; nan where all oscillate. Shape: (n_parameters,)."""
-        real = np.where(np.abs(self.eigenvalues.imag) <= 1e-9, self.eigenvalues.real, -np.inf).max(axis=1)
+    def real(self, limit: np.ndarray | float = np.inf) -> np.ndarray:
+        """The largest real eigenvalue up to `limit` (n_parameters,) at each parameter; nan where there is none. Same shape."""
+        e = self.eigenvalues
+        wanted = (np.abs(e.imag) <= 1e-9) & (np.abs(e.real) <= np.reshape(limit, (-1, 1)))
+        real = np.where(wanted, e.real, -np.inf).max(axis=1)
         return np.where(np.isfinite(real), real, np.nan)
 
     def upper(self) -> list[int]:

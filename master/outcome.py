@@ -98,7 +98,6 @@ def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
         "liquid": "none" if model.liquid is None else "frozen",
         "steps": model.steps,
         "steady_slopes": None if model.slopes is None else {"C_L": model.slopes.C_L, "C_M": model.slopes.C_M},
-        "steady_slopes_of_sweeps": {"C_L": float(model.smaller.steady[0]), "C_M": float(model.smaller.steady[1])},
         "modes": vg.as_data(model, *model.case.boundary.V_f_range),
         "cost": {"wall_seconds": model.wall, "cpu_seconds": model.cpu},
         "crossings": [
@@ -251,6 +250,7 @@ def _static_lines(p: dict[str, Any]) -> list[str]:
         return []
     said = f"          statics: divergence at V_f = {V_f:.4f} by two steady solutions"
     static = [c for c in (p["linear"] or {}).get("crossings", []) if c["kind"] == "divergence"]
-    sweeps = [f"sweeps {c['V_f_uncertainty'] / V_f:.1%} away" for c in static]
+    sweeps = [f"± {c['V_f_uncertainty']:.4f}" for c in static]
     marched = [c["V_f"] / V_f - 1.0 for c in p["crossings"] if c["kind"] == "divergence" and c["source"] == "march"]
-    return ["; ".join([said, *sweeps, *(f"marches {change:+.1%}" for change in marched)])]
+    said = " ".join([said, *sweeps])
+    return ["; ".join([said, *(f"marches {change:+.1%}" for change in marched)])]

@@ -161,8 +161,12 @@ class FlutterRig:
     def slopes(self) -> SteadySlopes | None:
         """Slopes of the steady loads over incidence by a second steady solution, once a rig; None where it does not converge."""
         if isinstance(self._slopes, str):
-            self._slopes = self._find_slopes()
+            self._slopes = self._find_slopes(STEP)
         return self._slopes
+
+    def slopes_below(self) -> SteadySlopes | None:
+        """The same from a steady solution at a lower incidence: what the two differ by is their uncertainty."""
+        return self._find_slopes(-STEP)
 
     def stiffness(self, V_f: float) -> float:
         """Pitch stiffness that the steady flow and the liquid leave at `V_f`, over the structure's own; nan where not known."""
@@ -179,15 +183,15 @@ class FlutterRig:
         s = scales(self.case, self.mach, self.case.flutter.V_f)
         return slopes.divergence(s, self.tank.static_stiffness if self.tank else 0.0)
 
-    def _find_slopes(self) -> SteadySlopes | None:
+    def _find_slopes(self, step: float) -> SteadySlopes | None:
         other = Component(self._fmus["aero"], "aero")
         try:
-            other.set_all(self._aero_parameters(tilted(self.case)))
+            other.set_all(self._aero_parameters(tilted(self.case, step)))
             other.initialize()
             if "converged" in other.variables and not other.get("converged"):
                 return None
             s = scales(self.case, self.mach, self.case.flutter.V_f)
-            q = 0.5 * s.density * s.speed**2 * 2.0 * s.half_chord * STEP
+            q = 0.5 * s.density * s.speed**2 * 2.0 * s.half_chord * step
             lift, moment = ((other.get(name) - load) / q for name, load in zip(LOADS, self._steady_loads, strict=True))
             return SteadySlopes(lift, moment / (2.0 * s.half_chord))
         except ComponentError:

@@ -38,7 +38,7 @@ class SteadySlopes:
         return 0.5 * s.density * s.speed**2 * (2.0 * s.half_chord) ** 2 * self.C_M
 
 
-def tilted(case: Case) -> Case:
-    """`case` at a mean incidence higher by STEP."""
-    flow = dataclasses.replace(case.flow, mean_alpha_deg=case.flow.mean_alpha_deg + math.degrees(STEP))
+def tilted(case: Case, step: float) -> Case:
+    """`case` at a mean incidence higher by `step` [rad]."""
+    flow = dataclasses.replace(case.flow, mean_alpha_deg=case.flow.mean_alpha_deg + math.degrees(step))
     return dataclasses.replace(case, flow=flow)

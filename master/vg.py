@@ -33,7 +33,7 @@ def modes(model: LinearModel, low: float, high: float) -> list[dict[str, np.ndar
         if shown.any() and e.real[shown].max() > QUICKLY_DAMPED and not _of_the_flow(V_f[shown], e[shown]):
             rate, frequency = np.where(shown, e.real, np.nan), np.where(shown, e.imag, np.nan)
             found.append({"V_f": V_f, "growth_rate": rate, "frequency": frequency, "damping": 2.0 * rate / frequency})
-    real = loci.real()
+    real = loci.real(BAND * _rate(model, V_f))
     static = model.divergence()
     if low <= static <= high:
         nothing = np.full(V_f.size, np.nan)
