@@ -20,9 +20,8 @@ import fmpy
 import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
-from fmpy.logging import addLoggerProxy
 
-from master import fmu_cache, interrupts
+from master import fmi_log, fmu_cache, interrupts
 from master.errors import AeroSloshError, ComponentError
 
 STATUS = {0: "OK", 1: "warning", 2: "discarded", 3: "error", 4: "fatal", 5: "pending"}
@@ -115,13 +114,12 @@ class Component:
         self.steps = 0
         self.messages: deque[tuple[int, str]] = deque(maxlen=log_lines)
         self.state = "created"
-        self._callbacks = self._make_callbacks()
         try:
             self.fmu = fmi2.FMU2Slave(
                 guid=self.description.guid,
                 unzipDirectory=str(self.folder),
                 modelIdentifier=simulation.modelIdentifier,
-                instanceName=name,
+                instanceName=fmi_log.register(name, self),
             )
         except Exception as error:
             raise AeroSloshError(
@@ -346,25 +344,12 @@ class Component:
             )
         return self.variables[name]
 
-    def _make_callbacks(self) -> Any:
-        """Callbacks whose logger keeps the messages; the object must live as long as the instance."""
-
-        def logger(_environment: Any, _instance: bytes, status: int, _category: bytes, message: bytes) -> None:
-            self.messages.append((status, message.decode("utf-8", "replace") if message else ""))
-
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(logger)
-        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
-        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
-        addLoggerProxy(ctypes.byref(callbacks))
-        return callbacks
-
     def _instantiate(self) -> None:
         self.messages.clear()
         self.given: dict[str, float | int | bool | str] = {}
         cpu, wall = clock.process_time(), clock.perf_counter()
         try:
-            self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            self.fmu.instantiate(callbacks=fmi_log.callbacks, loggingOn=True)
             interrupts.check()
         except Exception as error:
             interrupts.check()

@@ -82,7 +82,7 @@ class Solution:
     constants: np.ndarray  # (n_channels,), zero without a constant
     variance: float  # of the residual, channels scaled to unit rms
     correlation: float  # of neighbouring residuals, 0 to 0.98
-    shares: np.ndarray  # (n_modes,): largest part of a channel's rms, in the whole window or its last third
+    shares: np.ndarray  # (n_modes,): largest part of a channel's rms; of growing ones in the last third, if larger
     real_shares: np.ndarray  # (n_reals,)
     score: float  # information criterion: the lower the better
     span: float  # length of the window
@@ -183,19 +183,20 @@ def _summary(
     whole = np.maximum(np.std(target, axis=0), 1e-300)
     total = np.vstack([whole, np.maximum(np.sqrt(np.mean(target[late] ** 2, axis=0)), LEAST_LATE * whole)])
 
-    def share(part: np.ndarray) -> float:
-        """The largest share of a channel that `part` (n, n_channels) has, in the whole window or in its last third."""
-        return float(np.max(np.sqrt([np.mean(part**2, axis=0), np.mean(part[late] ** 2, axis=0)]) / total))
+    def share(part: np.ndarray, rate: float) -> float:
+        """The largest share of a channel that `part` (n, n_channels) has in the window or, where it grows, in its last third."""
+        sizes = np.sqrt([np.mean(part**2, axis=0), np.mean(part[late] ** 2, axis=0)]) / total
+        return float(np.max(sizes if rate > 0.0 else sizes[0]))
 
     modes = len(poles.oscillations)
     amplitudes, shares = np.empty((modes, channels), dtype=complex), np.empty(modes)
     for k, (sigma, _) in enumerate(poles.oscillations):
         i = 2 * k
         amplitudes[k] = (c[i] - 1j * c[i + 1]) * np.exp(-sigma * reference(t, sigma))
-        shares[k] = share(phi[:, i : i + 2] @ c[i : i + 2])
+        shares[k] = share(phi[:, i : i + 2] @ c[i : i + 2], sigma)
     real, at = c[2 * modes : 2 * modes + poles.reals.size], phi[:, 2 * modes : 2 * modes + poles.reals.size]
     back = np.array([np.exp(-rate * reference(t, rate)) for rate in poles.reals])
-    real_shares = np.array([share(np.outer(at[:, r], real[r])) for r in range(len(real))])
+    real_shares = np.array([share(np.outer(at[:, r], real[r]), rate) for r, rate in enumerate(poles.reals)])
     constants = c[-1] if poles.constant else np.zeros(channels)
     score = n * channels * np.log(variance) + parameters * np.log(n * channels)
     flipped = poles.oscillations * np.array([1.0, 0.0]) + np.abs(poles.oscillations) * np.array([0.0, 1.0])

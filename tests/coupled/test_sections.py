@@ -45,7 +45,7 @@ def test_every_crossing_is_found_and_no_other(fmus: dict[str, Path]) -> None:
         ((0.35, 0.1, 0.25, 0.9, 40.0), "onset"),
         ((0.4, -0.1, 0.25, 0.5, 20.0), "divergence"),
         ((0.3, 0.05, 0.25, 0.8, 40.0), "onset"),
-        ((0.5, 0.0, 1.04, 0.646, 700.0), "divergence"),
+        ((0.5, 0.0, 1.04, 0.646, 700.0), "onset"),
     ],
 )
 def test_sections_that_once_had_no_boundary(fmus: dict[str, Path], changes: tuple[float, ...], expected: str) -> None:

@@ -17,7 +17,7 @@ from master.component import Component
 from master.coupling import GaussSeidel, Jacobi, Scheme
 from master.errors import AeroSloshError
 from master.implicit import Criteria, Implicit
-from master.poles import refine
+from master.poles import Poles, refine
 from master.rig import FlutterRig, find_fmus
 from master.similarity import scales
 
@@ -52,9 +52,10 @@ def test_eigenvalues(fmu: liquid.Fmu, scheme: Scheme, split: str, steps: int) ->
     channels = ("structure.h", "structure.alpha", "slosh.force_x", "slosh.moment_residual")
     sample = slice(None, None, steps // 8)
     seen = np.array([run[name][sample] / np.std(run[name]) for name in channels])
-    fit = refine(run["time"][sample], seen, np.column_stack([expected.real, expected.imag]), np.zeros(0))
+    fit = refine(run["time"][sample], seen, Poles(np.column_stack([expected.real, expected.imag]), np.zeros(0), constant=True))
     assert fit is not None
-    found = fit.poles[np.argsort(fit.poles[:, 1])]
+    poles = fit.poles.oscillations
+    found = poles[np.argsort(poles[:, 1])]
     np.testing.assert_allclose(found[:, 1], expected.imag, rtol=1e-5)
     np.testing.assert_allclose(found[:, 0] / found[:, 1], expected.real / expected.imag, atol=1e-5)
 
@@ -98,9 +99,10 @@ def decay(fmu: liquid.Fmu, scheme: Scheme, split: str, ratio: float, steps: int)
     tank = {"fill_level": 1.0, "liquid_density": ratio * 100.0 / 0.075}
     run = liquid.march(fmu, scheme, 2.0 * np.pi / omega / steps, 12 * steps, plunge | {"initial_h": 0.01}, tank, split)
     half = run["time"] > run["time"][-1] / 4.0
-    fit = refine(omega * run["time"][half], run["structure.h"][half][None] / 0.01, np.array([[0.0, 1.0]]), np.zeros(0))
+    fit = refine(omega * run["time"][half], run["structure.h"][half][None] / 0.01, Poles(np.array([[0.0, 1.0]]), np.zeros(0), constant=True))
     assert fit is not None
-    return float(-fit.poles[0, 0] / fit.poles[0, 1])
+    [[sigma, omega]] = fit.poles.oscillations
+    return float(-sigma / omega)
 
 
 def test_artificial_damping_of_lagged_loads_is_what_theory_says(fmu: liquid.Fmu) -> None:
@@ -125,9 +127,10 @@ def test_the_frozen_split_in_pitch(fmu: liquid.Fmu, ratio: float, steps: int, mo
     run = liquid.march(fmu, GaussSeidel(1), 2.0 * np.pi / fast / steps, 30 * steps, pitching | {"initial_alpha": 0.01}, tank)
     part = slice(2 * steps, None, steps // 25)
     poles = np.column_stack([expected.real, expected.imag]) / fast
-    fit = refine(fast * run["time"][part], run["structure.alpha"][None, part] / 0.01, poles, np.zeros(0))
+    fit = refine(fast * run["time"][part], run["structure.alpha"][None, part] / 0.01, Poles(poles, np.zeros(0), constant=True))
     assert fit is not None
-    sigma, omega = fit.poles[np.argmax(fit.poles[:, 1])]
+    found = fit.poles.oscillations
+    sigma, omega = found[np.argmax(found[:, 1])]
     assert abs(sigma / omega - expected[-1].real / fast) < most
 
 
