@@ -54,7 +54,7 @@ class LinearCrossing:
 
     @property
     def kind(self) -> str:
-        """"divergence" (static, frequency 0) or "flutter"."""
+        """ "divergence" (static, frequency 0) or "flutter"."""
         return "flutter" if self.frequency else "divergence"
 
     @property

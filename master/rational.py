@@ -110,9 +110,7 @@ def _filtered(y: np.ndarray, ds: float, pole: complex) -> np.ndarray:
     return lfilter([1.0], [1.0, -e], forcing, axis=-1)
 
 
-def fit(
-    records: Sequence[Record], order: int, slowest: float, fastest: float, steady: np.ndarray | None = None
-) -> Rational:
+def fit(records: Sequence[Record], order: int, slowest: float, fastest: float, steady: np.ndarray | None = None) -> Rational:
     """The model with `order` poles that fits `records` best; first guesses are spread over [slowest, fastest].
 
     Each record moves one input alone, or both; together they must move both. Loads are weighed by their rms in all records.

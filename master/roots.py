@@ -85,7 +85,7 @@ class Crossing:
 
     @property
     def kind(self) -> str:
-        """"divergence" (static: frequency 0) or "flutter"."""
+        """ "divergence" (static: frequency 0) or "flutter"."""
         return "flutter" if self.frequency else "divergence"
 
     @property

@@ -127,6 +127,7 @@ class Tank:
         s = self._settings
         level = 0.0 if s.model == "frozen" else s.liquid_density * s.gravity * s.tank_length**3 * s.tank_width / 12.0
         return self.liquid.stiffness - level
+
     def close(self) -> None:
         """Free the instances."""
         for component in (self.moving, self.surrogate):

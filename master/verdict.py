@@ -162,9 +162,7 @@ def _settled_amplitude(tau: np.ndarray, channels: np.ndarray, fit: Fit) -> str:
     if periods < 2 * LAST_PERIODS:
         return ""
     ends = tau[-1] - period * np.arange(periods, -1, -1)
-    spans = np.array(
-        [0.5 * np.ptp(channels[-1, (tau >= a - 1e-9) & (tau <= b + 1e-9)]) for a, b in itertools.pairwise(ends)]
-    )
+    spans = np.array([0.5 * np.ptp(channels[-1, (tau >= a - 1e-9) & (tau <= b + 1e-9)]) for a, b in itertools.pairwise(ends)])
     last = spans[-1]
     near = np.abs(spans / last - 1.0) <= SETTLED if last > 0.0 else np.zeros(periods, dtype=bool)
     steady = periods - 1 - int(np.flatnonzero(~near)[-1]) if not near.all() else periods

@@ -110,6 +110,8 @@ def tell(options: argparse.Namespace, asked: Sequence[Case], command: str, log: 
         if not options.json:
             print(text, file=sys.stderr, flush=True)
     return {"defaults": case_checks.defaults(asked[0], command), "warnings": doubts}
+
+
 def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
     """Refuse an airfoil that the FMU `aero` does not know, before anything starts. Raises AeroSloshError."""
     where = airfoils.place(options.case, options.set)

@@ -99,7 +99,8 @@ def decay(fmu: liquid.Fmu, scheme: Scheme, split: str, ratio: float, steps: int)
     tank = {"fill_level": 1.0, "liquid_density": ratio * 100.0 / 0.075}
     run = liquid.march(fmu, scheme, 2.0 * np.pi / omega / steps, 12 * steps, plunge | {"initial_h": 0.01}, tank, split)
     half = run["time"] > run["time"][-1] / 4.0
-    fit = refine(omega * run["time"][half], run["structure.h"][half][None] / 0.01, Poles(np.array([[0.0, 1.0]]), np.zeros(0), constant=True))
+    first = Poles(np.array([[0.0, 1.0]]), np.zeros(0), constant=True)
+    fit = refine(omega * run["time"][half], run["structure.h"][half][None] / 0.01, first)
     assert fit is not None
     [[sigma, omega]] = fit.poles.oscillations
     return float(-sigma / omega)
