@@ -71,7 +71,7 @@ class LinearModel:
     check_error  the same in the motion not fitted: (2,)
     smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty
     slopes       of the steady loads, from two steady solutions, which the models keep to; None where they could not be had
-    other        the same from a steady solution on the other side: its divergence differs by the slopes' own uncertainty
+    other        the same from a steady solution further off on the other side: its divergence differs by what is not linear
     cpu          seconds: FMU and fit; steps: of the FMU
     note         what a user should know, or empty
     liquid       carried frozen by the section, whatever the slosh model; None when dry
@@ -190,7 +190,7 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
         _note(check_error),
         rig.tank.liquid if rig.tank else None,
         slopes,
-        rig.slopes_below(),
+        rig.other_slopes(),
         rig.tank.static_stiffness if rig.tank else 0.0,
     )
 

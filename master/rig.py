@@ -164,9 +164,9 @@ class FlutterRig:
             self._slopes = self._find_slopes(STEP)
         return self._slopes
 
-    def slopes_below(self) -> SteadySlopes | None:
-        """The same from a steady solution at a lower incidence: what the two differ by is their uncertainty."""
-        return self._find_slopes(-STEP)
+    def other_slopes(self) -> SteadySlopes | None:
+        """The same from a steady solution on the other side, three times as far: what the two differ by is no linear slope."""
+        return self._find_slopes(-3.0 * STEP)
 
     def stiffness(self, V_f: float) -> float:
         """Pitch stiffness that the steady flow and the liquid leave at `V_f`, over the structure's own; nan where not known."""
