@@ -252,12 +252,13 @@ def _has_close_pair(solution: Solution) -> bool:
 
 
 def _forecast(tau: np.ndarray, z: np.ndarray, base: Solution) -> float:
-    """What the same poles, fitted to the first 70 % of the window, miss of the rest, relative to its rms, or to a part of the
-    whole's where the motion has died."""
+    """What the same poles, or those that can be seen there, fitted to the first 70 % of the window, miss of the rest, relative
+    to its rms, or to a part of the whole's where the motion has died."""
     cut = round(0.7 * tau.size)
     poles, least = base.poles, FORECAST_SHARE
     large = replace(poles, oscillations=poles.oscillations[base.shares > least], reals=poles.reals[base.real_shares > least])
-    part = refine(tau[:cut], z[:, :cut], poles) or refine(tau[:cut], z[:, :cut], large)
+    first = tau[:cut], z[:, :cut]
+    part = refine(*first, poles) or refine(*first, large) or _best_order(*first)  # some poles need the whole window
     if part is None:
         return float("inf")
     rest = z[:, cut:]
