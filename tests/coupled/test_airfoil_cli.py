@@ -19,6 +19,18 @@ from fmus.aero.airfoil import contour
 SMALL = ("aero.cells_around=64", "aero.cells_normal=16", "flutter.forced_cycles=1.0", "flutter.steps_per_cycle=72",
          "flutter.free_cycles=1.5", "output.fields=false")  # fmt: skip
 
+SECTION = """[section]
+elastic_axis = 0.35
+x_alpha = 0.2
+r2_alpha = 0.25
+frequency_ratio = 0.4
+mass_ratio = 75.0
+[flutter]
+V_f = 0.3
+[boundary]
+mach = [0.5]
+"""
+
 
 @pytest.fixture(scope="module")
 def fmus(fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -37,7 +49,7 @@ def aeroslosh(folder: Path, fmus: Path, *words: str) -> subprocess.CompletedProc
 
 
 def written(folder: Path, airfoil: str) -> str:
-    (folder / "own.toml").write_text(f'[flow]\nmach = 0.5\nairfoil = "{airfoil}"\n')
+    (folder / "own.toml").write_text(f'[flow]\nmach = 0.5\nairfoil = "{airfoil}"\n{SECTION}')
     return "own.toml"
 
 
