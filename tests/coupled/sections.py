@@ -19,6 +19,7 @@ import theory
 
 BAND = 5e-4  # growth rates that are neutral, over omega_alpha
 TOLERANCE = 2e-3  # what step and coupling may change a growth rate by
+AT_DIVERGENCE = 0.011  # relative distance in V_f within which neutral is said: the steady slopes are not sure of more
 NEAR = 0.02  # relative distance within which a crossing is the exact one
 
 
@@ -97,7 +98,8 @@ def point(fmus: dict[str, Path], seed: int) -> Point:
     unsafe = said in ("damped", "limit cycle") and rate > TOLERANCE
     unfounded = said in ("flutter", "divergence") and rate < -TOLERANCE
     mistaken = (said == "divergence" and static < -TOLERANCE) or (said == "flutter" and dynamic < -TOLERANCE)
-    careless = said == "neutral" and abs(rate) > TOLERANCE
+    at_divergence = abs(V_f / theory.divergence(case) - 1.0) < AT_DIVERGENCE
+    careless = said == "neutral" and abs(rate) > TOLERANCE and not at_divergence
     error = march.fit.growth_rate - dynamic if march.fit is not None and march.fit.frequency else float("nan")
     cycles = (march.tau.size - march.release) / march.scales.steps_per_cycle
     return Point(seed, said, truth, rate, error, cycles, unsafe or unfounded or mistaken or careless, march.reason)
