@@ -19,20 +19,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from master.model_order import MOST, best_order, choose, has_close_pair
 from master.pencil import pencil
-from master.poles import Poles, Solution, refine
+from master.poles import Solution, refine
 
-MOST = 10  # dimensions of the signal's space: two an oscillation, one a real pole
-PATIENCE = 3  # orders tried without a better fit before the search ends
 VISIBLE = 0.02  # a pole counts when it makes this share of a channel
 SUSPECT = 1e-3, 10.0, 5.0  # a smaller one may yet: share, share over residual, growth rate over its noise at least
 HARMONIC = 0.005  # relative distance from a multiple of a stronger mode's pole within which a weaker one is its harmonic
-PAIR_PAYS = 30.0  # by which a close pair of oscillations must lower the residual's variance
 FORECAST_SHARE = 2e-3  # a pole with less may be left out of a forecast
 DEAD = 0.05  # of the whole rms: what is left of a motion that has died
-CLEAN = 1e-3  # of the rms: a residual that leaves nothing to be gained from a later window
-SLOW = 3.0  # 1/span: a real pole slower than this is nearly a constant
-LONG = 12.0 * np.pi  # a window from which slow poles are looked for with a coarse pencil too
 SAMPLES = 1500  # longer signals are thinned to this many for the fit
 
 
@@ -114,7 +109,7 @@ def analyse(tau: np.ndarray, channels: np.ndarray) -> Fit | None:
         return None
     scale = np.where(spread > 0.0, spread, 1.0)
     z = y / scale[:, None]
-    base, start = _choose(tau, z)
+    base, start = choose(tau, z)
     if base is None:
         return None
     tau, z = tau[start:], z[:, start:]
@@ -180,77 +175,6 @@ def _harmonic(mode: Mode, modes: list[Mode]) -> bool:
     return False
 
 
-def _choose(tau: np.ndarray, z: np.ndarray) -> tuple[Solution | None, int]:
-    """The fit, and the first sample of its window."""
-    best, start = _best_order(tau, z), 0
-    if best is None or not len(best.poles.oscillations):
-        return best, 0
-    if best.variance < CLEAN**2:
-        return best, 0
-    omega = best.poles.oscillations[int(np.argmax(best.shares)), 1]
-    cycle = 2.0 * np.pi / (omega * (tau[1] - tau[0]))
-    for skip in (0.25, 0.5, 0.75):
-        first = round(skip * cycle)
-        if tau.size - first < max(2.5 * cycle, 24):
-            break
-        for reals in {best.poles.reals.size: best.poles.reals, 0: best.poles.reals[:0]}.values():
-            trial = refine(tau[first:], z[:, first:], replace(best.poles, reals=reals))
-            # a later window must pay for the samples it leaves out: half the residual variance
-            if trial is not None and trial.variance < 0.5 * best.variance:
-                best, start = trial, first
-    return best, start
-
-
-def _best_order(tau: np.ndarray, z: np.ndarray) -> Solution | None:
-    """The fit with the lowest information criterion, of all orders that matrix pencils suggest, without or with a constant.
-
-    One with two oscillations that the window cannot tell apart must explain far more than those without: a growth rate that
-    changes with the amplitude looks the same."""
-    dt = float(tau[1] - tau[0])
-    best: dict[bool, Solution] = {}  # by whether two oscillations are close
-
-    def consider(new: Solution | None) -> bool:
-        if new is None or ((old := best.get(close := _has_close_pair(new))) is not None and old.score <= new.score):
-            return False
-        best[close] = new
-        return True
-
-    for coarse in (False, True):
-        if coarse and z.shape[1] * dt < LONG:
-            break
-        idle = 0
-        for first in pencil(dt, z, MOST, coarse):
-            idle = 0 if consider(refine(tau, z, first)) or not best else idle + 1
-            if idle >= PATIENCE:
-                break
-    if not best:
-        consider(refine(tau, z, Poles(np.empty((0, 2)), np.array([0.1]), False)))  # nothing but a drift
-    for found in list(best.values()):
-        poles = found.poles
-        consider(refine(tau, z, replace(poles, constant=True)))
-        if poles.size > 1 and poles.reals.size:  # a constant in place of the slowest real pole
-            fewer = np.delete(poles.reals, int(np.argmin(np.abs(poles.reals))))
-            consider(refine(tau, z, replace(poles, constant=True, reals=fewer)))
-    apart, close = best.get(False), best.get(True)
-    if apart is None or close is None:
-        return apart or close
-    return close if close.variance < apart.variance / PAIR_PAYS else apart
-
-
-def _has_close_pair(solution: Solution) -> bool:
-    """Whether two oscillations beat less than once within the window and decay alike, or cannot be told from each other; or a
-    slow real pole goes with a constant."""
-    poles, std, span = solution.poles.oscillations, solution.std, solution.span
-    for i in range(len(poles)):
-        for j in range(i):
-            apart = float(np.hypot(*(poles[i] - poles[j])))
-            if apart * span < 2.0 * np.pi:
-                return True
-            if apart < 2.0 * float(np.hypot(np.max(std[i]), np.max(std[j]))):
-                return True
-    return solution.poles.constant and bool(np.any(np.abs(solution.poles.reals) * span < SLOW))
-
-
 def _forecast(tau: np.ndarray, z: np.ndarray, base: Solution) -> float:
     """What the same poles, or those that can be seen there, fitted to the first 70 % of the window, miss of the rest, relative
     to its rms, or to a part of the whole's where the motion has died."""
@@ -258,7 +182,7 @@ def _forecast(tau: np.ndarray, z: np.ndarray, base: Solution) -> float:
     poles, least = base.poles, FORECAST_SHARE
     large = replace(poles, oscillations=poles.oscillations[base.shares > least], reals=poles.reals[base.real_shares > least])
     first = tau[:cut], z[:, :cut]
-    part = refine(*first, poles) or refine(*first, large) or _best_order(*first)  # some poles need the whole window
+    part = refine(*first, poles) or refine(*first, large) or best_order(*first)  # some poles need the whole window
     if part is None:
         return float("inf")
     rest = z[:, cut:]
@@ -288,7 +212,7 @@ def _sensitivity(tau: np.ndarray, z: np.ndarray, base: Solution, critical: Mode)
     trials["constant"] = refine(tau, z, replace(base.poles, constant=not base.poles.constant))
     total, parts = np.zeros(2), {}
     for name, trial in trials.items():
-        doubtful = trial is not None and name in ("order", "constant") and _has_close_pair(trial)
+        doubtful = trial is not None and name in ("order", "constant") and has_close_pair(trial)
         found = _nearest(trial, critical) if trial is not None and not doubtful else None
         if found is None:
             continue
