@@ -25,6 +25,7 @@ from master.similarity import Scales
 from master.system import System
 from master.verdict import Judgement, Verdict, judge
 
+FEWEST = 24  # samples that a motion which grew out of reach is fitted on
 QUARTERS = (0.75, 0.5, 0.25, 0.0)  # of the last period: instants of the flow fields
 GROWTH = 1.5  # a march that is not settled goes on by this factor
 MOST_TIMES, MOST_CYCLES = 8.0, 80.0  # max_free_cycles = "auto"
@@ -226,7 +227,7 @@ def march(
     cost = Cost({c.name: c.cpu - before[c.name] for c in system.everyone}, wall, cpu, done)
     table = history.finish(done + 1, s)
     if judged is None:
-        judged = _judged(table, span, s, rig, s.steps_per_cycle // 4 if stopped else s.steps_per_cycle)
+        judged = _judged(table, span, s, rig, FEWEST if stopped else s.steps_per_cycle)
     judged = _checked(judged, table, release, stopped, statistics.failed, done, rig.stiffness(V_f))
     return March(
         s,
