@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from matplotlib.ticker import FormatStrFormatter, NullFormatter
 
 from master import canvas, vg
 from master.boundary import BoundaryPoint
@@ -44,6 +45,8 @@ def draw(point: BoundaryPoint, low: float, high: float, path: Path) -> None:
         top.set_xscale("log")
         bottom.set_xscale("log")
         bottom.set_xlim(low, high)
+        bottom.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        bottom.xaxis.set_minor_formatter(FormatStrFormatter("%g") if high < 20.0 * low else NullFormatter())
         top.set_ylabel("growth rate $\\sigma/\\omega_\\alpha$ (above 0: unstable)")
         bottom.set_ylabel("frequency $\\omega/\\omega_\\alpha$")
         bottom.set_xlabel("flutter speed index $V_f = U/(b\\,\\omega_\\alpha\\sqrt{\\mu})$")
