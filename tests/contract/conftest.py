@@ -52,7 +52,7 @@ def _run(module: str, folders: dict[str, str], component: str) -> Results:
     try:
         done = subprocess.run(
             [sys.executable, str(HERE / "runner.py"), module, json.dumps(folders), component],
-            capture_output=True, timeout=300, cwd=folders[component], env=ENVIRONMENT,
+            capture_output=True, timeout=900, cwd=folders[component], env=ENVIRONMENT,
         )  # fmt: skip
         code, out, said = str(done.returncode), done.stdout, done.stderr
     except subprocess.TimeoutExpired as error:
