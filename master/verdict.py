@@ -61,7 +61,7 @@ def judge(tau: np.ndarray, channels: np.ndarray, fit: Fit | None, neutral_band: 
     if fit is None:
         return Judgement(Verdict.UNDETERMINED, "nothing could be fitted to the free response", False, None, "add free cycles")
     cycle = _settled_amplitude(tau, channels, fit)
-    if cycle and not _died(fit):
+    if cycle and not _died(fit) and not stiffness < -SURE_STIFFNESS:  # a section that diverges has no such limit
         return Judgement(Verdict.LIMIT_CYCLE, cycle, True, fit)
     whole = _by_fit(fit, neutral_band, stiffness)
     if whole.settled or describes(fit):
