@@ -39,7 +39,7 @@ class Flow:
     mach: float = key(0.825, "freestream Mach number", low=0.05, high=0.98)
     static_pressure: float = key(101325.0, "freestream static pressure", "Pa", above=0.0)
     static_temperature: float = key(288.15, "freestream static temperature", "K", above=0.0)
-    airfoil: str = key("NACA 64A010", "a NACA 4-digit or 6A name, or a coordinate file")
+    airfoil: str = key("NACA 64A010", "a NACA 4-, 5-digit or 6A name, or a coordinate file")
     mean_alpha_deg: float = key(0.0, "mean angle of attack; its steady load is trimmed out", "deg", low=-10.0, high=10.0)
 
 

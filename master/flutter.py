@@ -23,14 +23,13 @@ from master.rig import FlutterRig
 from master.scheme import Statistics
 from master.similarity import Scales
 from master.system import System
-from master.verdict import Judgement, Verdict, judge
+from master.verdict import MORE_CYCLES, Judgement, Verdict, judge
 
 FEWEST = 24  # samples that a motion which grew out of reach is fitted on
 QUARTERS = (0.75, 0.5, 0.25, 0.0)  # of the last period: instants of the flow fields
 GROWTH = 1.5  # a march that is not settled goes on by this factor
 MOST_TIMES, MOST_CYCLES = 8.0, 80.0  # max_free_cycles = "auto"
 PERIODS = 1.25  # of the slower natural mode that a verdict needs
-MORE = "add free cycles (flutter.free_cycles, flutter.max_free_cycles)"
 TIMES_LARGER = 3.0  # a motion that outgrew max_alpha_deg by this factor since its release grows
 
 Watcher = Callable[[int, int, System], None]  # step, steps, system
@@ -254,12 +253,12 @@ def _judged(table: dict[str, np.ndarray], span: Span, s: Scales, rig: FlutterRig
     """Fit and verdict of the free part, if there are `enough` samples of it."""
     tau, free = table["tau"][span.release :], np.vstack([table["h_over_b"], table["alpha"]])[:, span.release :]
     if tau.size < enough:
-        return Judgement(Verdict.UNDETERMINED, "the free response is shorter than one period", False, None, MORE)
+        return Judgement(Verdict.UNDETERMINED, "the free response is shorter than one period", False, None, MORE_CYCLES)
     said = judge(tau, free, analyse(tau, free), rig.case.flutter.neutral_band, rig.stiffness(s.V_f))
     if span.release + tau.size - 1 >= span.least or said.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE, Verdict.UNDETERMINED):
         return said
     slower = f"{PERIODS:g} periods of the slower natural mode ({slower_frequency(rig.case):.3f} omega_alpha)"
-    return Judgement(Verdict.UNDETERMINED, f"the free response is shorter than {slower}", False, said.fit, MORE)
+    return Judgement(Verdict.UNDETERMINED, f"the free response is shorter than {slower}", False, said.fit, MORE_CYCLES)
 
 
 def _checked(

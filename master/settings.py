@@ -93,7 +93,11 @@ def override(holder: Any, tables: Mapping[str, Any], text: str) -> None:
         raise AeroSloshError("An override has the form section.key=value", where, "for instance --set flow.mach=0.8")
     if table not in tables:
         raise AeroSloshError(f"Unknown table '{table}'", where, nearest(table, list(tables), "the tables are"))
-    assign(getattr(holder, table), table, name, written(value), where)
+    target = getattr(holder, table)
+    read = written(value)
+    if not isinstance(read, str) and typing.get_type_hints(type(target)).get(name) is str:
+        read = value.strip()  # a text of digits, as flow.airfoil = 23012, needs no quotes here
+    assign(target, table, name, read, where)
 
 
 def written(text: str) -> Any:

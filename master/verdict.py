@@ -16,6 +16,7 @@ import numpy as np
 
 from master.damping import Fit, Mode, analyse
 
+MORE_CYCLES = "add free cycles (flutter.free_cycles, flutter.max_free_cycles)"
 RESIDUAL = 0.02  # exponentials that miss more of a response than this do not describe it
 FORECAST = 0.10  # nor do those that miss more of its last part
 AMPLITUDE_CHANGE = 1.3  # what a neutral response does not do
@@ -101,14 +102,19 @@ def _by_fit(fit: Fit, neutral_band: float, stiffness: float) -> Judgement:
         return _static(fit, critical, rate, doubt, stiffness, known and certain)
     if doubt > max(5.0 * neutral_band, abs(rate)):
         reason = f"growth rate {rate:+.5f} is known only to {doubt / 2.0:.5f}"
-        return Judgement(Verdict.UNDETERMINED, reason, False, fit, "add free cycles (flutter.max_free_cycles)")
+        return Judgement(Verdict.UNDETERMINED, reason, False, fit, MORE_CYCLES)
     suspect = [m for m in fit.suspects if m.frequency or not stiffness > SURE_STIFFNESS]
-    settled = known and certain and not (suspect and rate <= neutral_band)
+    settled = known and certain
+    if suspect and rate <= max(neutral_band, doubt):
+        worst = max(suspect, key=lambda m: m.growth_rate)
+        motion = f"a motion of {worst.share:.1%} of the response, at {worst.frequency:.3f} omega_alpha,"
+        reason = f"{motion} may grow at {worst.growth_rate:+.5f}"
+        return Judgement(Verdict.UNDETERMINED, reason, False, fit, MORE_CYCLES)
     if abs(rate) <= max(neutral_band, doubt):
         change = _own_change(fit, critical)
         if max(change, 1.0 / change) > AMPLITUDE_CHANGE * math.exp(max(abs(rate), doubt) * (fit.end - fit.start)):
             reason = f"the amplitude has changed by a factor {change:.2f} and has not been steady for {LAST_PERIODS} periods yet"
-            return Judgement(Verdict.UNDETERMINED, reason, False, fit, "add free cycles (flutter.max_free_cycles)")
+            return Judgement(Verdict.UNDETERMINED, reason, False, fit, MORE_CYCLES)
         return Judgement(Verdict.NEUTRAL, f"|growth rate| {abs(rate):.5f} is within {max(neutral_band, doubt):.5f}", settled, fit)
     if rate > 0.0:
         return Judgement(Verdict.FLUTTER, f"the free response grows at {rate:+.5f} omega_alpha", settled, fit)

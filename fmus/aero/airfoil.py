@@ -19,7 +19,7 @@ from .airfoil_order import apart, check_gaps, far_enough, loop
 from .airfoil_shape import Shape, crossing, shape
 from .airfoil_tail import closed, sides
 from .airfoil_text import refuse
-from .naca import AirfoilError, naca4, naca6a
+from .naca import AirfoilError, naca4, naca5, naca6a
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,8 @@ def section(airfoil: str) -> Section:
     code = re.sub(r"^NACA[\s_-]*", "", name, flags=re.IGNORECASE).upper()
     if re.fullmatch(r"[0-9]{4}", code):
         return _named(f"NACA {code}", naca4(code))
+    if re.fullmatch(r"[0-9]{5}", code):
+        return _named(f"NACA {code}", naca5(code))
     if re.fullmatch(r"6[345]A[0-9]{3}", code):
         return _named(f"NACA {code}", naca6a(code))
     path = Path(name)
@@ -64,7 +66,7 @@ def section(airfoil: str) -> Section:
     if found:
         return from_file(path)
     raise AirfoilError(
-        f"airfoil '{airfoil}': neither a NACA 4-digit name (0012), a NACA 6A name (64A010, 63A415) nor a readable "
+        f"airfoil '{airfoil}': neither a NACA 4- or 5-digit name (0012, 23012), a NACA 6A name (64A010, 63A415) nor a readable "
         "coordinate file. Remedy: give one of these, a file by its full path"
     )
 

@@ -37,7 +37,7 @@ class Aero(Slave):
         parameter("elastic_axis", -0.5, "1", "Elastic axis x/c from the leading edge, positive aft", min=-20.0, max=20.0),
         parameter("static_pressure", 101325.0, "Pa", "Freestream static pressure", min=1e-3),
         parameter("static_temperature", 288.15, "K", "Freestream static temperature", min=1.0),
-        parameter("airfoil", "NACA 64A010", "", "NACA 4-digit or 6A name, or a coordinate file (Selig or Lednicer order)"),
+        parameter("airfoil", "NACA 64A010", "", "NACA 4-, 5-digit or 6A name, or a coordinate file (Selig or Lednicer order)"),
         parameter("cells_around", 168, "", "Cells around the airfoil", min=64, max=4096),
         parameter("cells_normal", 48, "", "Cells from the wall to the outer boundary", min=16, max=1024),
         parameter("farfield_chords", 25.0, "1", "Distance of the outer boundary in chords", min=5.0, max=1000.0),

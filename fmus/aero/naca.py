@@ -1,4 +1,4 @@
-"""NACA sections by their formulas: 4-digit and 6A-series.
+"""NACA sections by their formulas: 4-digit, 5-digit and 6A-series.
 
 A contour is an array of shape (n, 2) in chords, in Selig order: trailing edge, upper side, leading edge, lower side, trailing
 edge. Its first and last points are the same sharp trailing edge; the leading edge is at x = 0, the trailing edge at x = 1.
@@ -33,14 +33,50 @@ def naca4(code: str) -> Array:
     if m > 0 and p == 0:
         raise AirfoilError(f"airfoil 'NACA {code}': camber without position. Remedy: a second digit of 1 to 9, as in 2412")
     x = _cosine_stations()
-    half = 5 * t * (0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
-    half[-1] = 0.0
+    half = _thickness_4(t, x)
     if m == 0:
         return _assemble(x, half, np.zeros_like(x), np.zeros_like(x))
     fore = x < p
     camber = np.where(fore, m / p**2 * (2 * p * x - x**2), m / (1 - p) ** 2 * (1 - 2 * p + 2 * p * x - x**2))
     slope = np.where(fore, 2 * m / p**2 * (p - x), 2 * m / (1 - p) ** 2 * (p - x))
     return _assemble(x, half, camber, slope)
+
+
+_MEAN_LINES_5 = {
+    "10": (0.0580, 361.400, 0.0),
+    "20": (0.1260, 51.640, 0.0),
+    "30": (0.2025, 15.957, 0.0),
+    "40": (0.2900, 6.643, 0.0),
+    "50": (0.3910, 3.230, 0.0),
+    "21": (0.1300, 51.990, 0.000764),
+    "31": (0.2170, 15.793, 0.00677),
+    "41": (0.3180, 6.520, 0.0303),
+    "51": (0.4410, 3.191, 0.1355),
+}
+"""Second and third digit → r, k1 and k2/k1 of the mean line for a design lift coefficient of 0.3 (first digit 2). NASA TM 4741."""
+
+
+def naca5(code: str) -> Array:
+    """NACA 5-digit section (23012; reflexed: 23112) with closed trailing edge. NASA TM 4741; NACA Report 610."""
+    t = int(code[3:]) / 100
+    if t <= 0 or code[0] == "0" or code[1:3] not in _MEAN_LINES_5:
+        raise AirfoilError(
+            f"airfoil 'NACA {code}': no NACA 5-digit section. Remedy: first digit 1 to 9, second and third one of "
+            f"{', '.join(_MEAN_LINES_5)}, thickness 01 to 99, as in 23012"
+        )
+    r, k1, ratio = _MEAN_LINES_5[code[1:3]]
+    k1 *= int(code[0]) / 2
+    x = _cosine_stations()
+    fore = x < r
+    if ratio == 0.0:
+        camber = k1 / 6 * np.where(fore, x**3 - 3 * r * x**2 + r**2 * (3 - r) * x, r**3 * (1 - x))
+        slope = k1 / 6 * np.where(fore, 3 * x**2 - 6 * r * x + r**2 * (3 - r), -(r**3))
+    else:
+        factor = np.where(fore, 1.0, ratio)
+        linear = ratio * (1 - r) ** 3 + r**3
+        camber = k1 / 6 * (factor * (x - r) ** 3 - linear * x + r**3)
+        slope = k1 / 6 * (3 * factor * (x - r) ** 2 - linear)
+    return _assemble(x, _thickness_4(t, x), camber, slope)
 
 
 def naca6a(code: str) -> Array:
@@ -64,6 +100,13 @@ def naca6a(code: str) -> Array:
 def _cosine_stations() -> Array:
     """Stations from leading (0) to trailing edge (1), shape (_POINTS,), dense at both ends."""
     return 0.5 * (1 - np.cos(np.linspace(0, np.pi, _POINTS)))
+
+
+def _thickness_4(t: float, x: Array) -> Array:
+    """Half thickness of the 4- and 5-digit series at stations x, shape like x, of thickness ratio t."""
+    half = 5 * t * (0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
+    half[-1] = 0.0
+    return np.asarray(half)
 
 
 def _assemble(x: Array, half: Array, camber: Array, slope: Array) -> Array:

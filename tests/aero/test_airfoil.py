@@ -46,6 +46,36 @@ def test_4_digit_section_is_the_formula() -> None:
     assert np.interp(0.3, x, y) == pytest.approx(exact, abs=2e-6)
 
 
+# Abbott and von Doenhoff, Theory of Wing Sections (1959), app. III: ordinates of the NACA 23012 in percent chord
+TABLE_23012 = [
+    (5, 4.91, -2.26), (10, 6.43, -2.92), (15, 7.19, -3.50), (20, 7.50, -3.97), (30, 7.55, -4.46), (40, 7.14, -4.48),
+    (50, 6.41, -4.17), (60, 5.47, -3.67), (70, 4.36, -3.00), (80, 3.08, -2.16),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("station", "above", "below"), TABLE_23012)
+def test_23012_has_the_published_ordinates(station: float, above: float, below: float) -> None:
+    points = contour("NACA 23012")
+    nose = int(np.argmin(points[:, 0]))
+    assert np.interp(station / 100, points[nose::-1, 0], points[nose::-1, 1]) == pytest.approx(above / 100, abs=6e-4)
+    assert np.interp(station / 100, points[nose:, 0], points[nose:, 1]) == pytest.approx(below / 100, abs=6e-4)
+
+
+@pytest.mark.parametrize(("code", "moment"), [("23001", None), ("43001", None), ("23101", 0.0), ("24101", 0.0), ("22101", 0.0)])
+def test_5_digit_mean_line_has_its_design_lift_and_moment(code: str, moment: float | None) -> None:
+    """Thin-airfoil theory at the ideal angle: C_l = pi A_1 is 0.15 times the first digit; a reflexed line has no moment."""
+    points = contour(code)
+    nose = int(np.argmin(points[:, 0]))
+    theta = (np.arange(20000) + 0.5) * np.pi / 20000
+    x = 0.5 * (1 - np.cos(theta))
+    upper_y, lower_y = np.interp(x, *points[nose::-1].T), np.interp(x, *points[nose:].T)
+    slope = np.gradient(0.5 * (upper_y + lower_y), x)
+    a1, a2 = (2 * np.mean(slope * np.cos(n * theta)) for n in (1, 2))
+    assert np.pi * a1 == pytest.approx(0.15 * int(code[0]), rel=0.04)
+    if moment is not None:
+        assert np.pi / 4 * (a2 - a1) == pytest.approx(moment, abs=0.004)
+
+
 def test_camber_of_2412_and_of_the_6a_mean_line() -> None:
     points = contour("2412")
     x, y = upper(points)
@@ -112,7 +142,7 @@ def test_a_word_among_the_numbers_is_named_with_its_line(tmp_path: Path) -> None
         contour(str(tmp_path / "word.dat"))
 
 
-@pytest.mark.parametrize("name", ["66A010", "NACA 0000", "64A030", "2012x", "/nowhere/file.dat"])
+@pytest.mark.parametrize("name", ["66A010", "NACA 0000", "20012", "03012", "21112", "23000", "64A030", "2012x", "/nowhere/file.dat"])
 def test_unknown_names_are_refused(name: str) -> None:
     with pytest.raises(AirfoilError, match="Remedy"):
         contour(name)

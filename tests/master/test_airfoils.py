@@ -58,7 +58,7 @@ def test_an_unknown_airfoil_is_refused_with_the_nearest_name(tmp_path: Path, fmu
         airfoils.check(word, "case.toml, line 3", fmu, tmp_path)
     said = str(caught.value)
     assert caught.value.code == ExitCode.INPUT
-    assert f'"{word}"' in said and "case.toml, line 3" in said and "NACA 4-digit" in said
+    assert f'"{word}"' in said and "case.toml, line 3" in said and "NACA 5-digit" in said
     assert ("did you mean" in said) == bool(near) and near in said
 
 
