@@ -34,7 +34,7 @@ $(STAMP): pyproject.toml requirements.lock
 	@touch $@
 
 dist/fmus/.built: $(STAMP) $(SOURCES)
-	$(PY) -m fmus.kit.build --out dist/fmus
+	$(PY) -m aeroslosh.fmus.build --out dist/fmus
 	@touch $@
 
 clean:

@@ -15,14 +15,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from master import case as cases
-from master import flutter
-from master.channels import History
-from master.component import Component
-from master.coupling import GaussSeidel
-from master.flutter import March
-from master.rig import FlutterRig, find_fmus
-from master.system import System, wires
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.cosim.scheme import GaussSeidel
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.flutter import march
+from aeroslosh.master.flutter.march import March
+from aeroslosh.master.flutter.recorder import History
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.fmi.component import Component
 
 ROOT = Path(__file__).resolve().parents[1]
 TRIVIAL = """
@@ -107,11 +107,11 @@ def run(repeat: int = 5) -> None:
     for label, amplitude in (("calm fuel, 0.1 deg", 0.1), ("fuel that hits the roof, 1 deg", 1.0)):
         case = cases.load(ROOT / "cases" / "paper_s.toml", ["slosh.model=vof", f"flutter.forced_amplitude_deg={amplitude}"])
         with FlutterRig(case, fmus, case.flow.mach) as rig:
-            flutter.march(rig, case.flutter.V_f)
+            march.march(rig, case.flutter.V_f)
             marches: list[March] = []
             idles: list[float] = []
             for _ in range(repeat):
-                marches.append(flutter.march(rig, case.flutter.V_f))
+                marches.append(march.march(rig, case.flutter.V_f))
                 idles.append(exchange(rig, case.flutter.V_f))
             full = statistics.median(m.cost.total_cpu / m.cost.steps for m in marches)
             share = statistics.median(idles)

@@ -7,9 +7,9 @@ import statistics
 import time
 from pathlib import Path
 
-from master import case as cases
-from master import flutter
-from master.rig import FlutterRig, find_fmus
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.flutter import march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 
 from .exchange import exchange
 
@@ -24,8 +24,8 @@ def run(repeat: int = 5) -> None:
     begin = time.process_time()
     with FlutterRig(case, find_fmus(ROOT / "dist" / "fmus"), case.flow.mach) as rig:
         opened = time.process_time() - begin
-        flutter.march(rig, case.flutter.V_f)
-        marches = [flutter.march(rig, case.flutter.V_f).cost for _ in range(repeat)]
+        march.march(rig, case.flutter.V_f)
+        marches = [march.march(rig, case.flutter.V_f).cost for _ in range(repeat)]
         steps = marches[0].steps
         total = statistics.median(cost.total_cpu for cost in marches)
         overhead = statistics.median(exchange(rig, case.flutter.V_f) for _ in range(repeat))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fmus.aero.march import Flow
-from fmus.aero.mesh import o_mesh
+from aeroslosh.fmus.aero.march import Flow
+from aeroslosh.fmus.aero.mesh import o_mesh
 
 from .timing import cpu
 

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.slosh_vof.flow import Flow
-from fmus.slosh_vof.grid import Grid
-from fmus.tank.liquid import Tank
-from fmus.tank.motion import SectionMotion
+from aeroslosh.fmus.slosh_vof.flow import Flow
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.motion import SectionMotion
 
 from . import interfoam
 from .interfoam import Array, Case, to_section

@@ -20,7 +20,7 @@ SWEPT = ("slosh.fill_level=0.2:0.8:4", "flutter.V_f=0.4:0.8:16")
 def seconds(workers: int) -> float:
     """Wall time of the whole command."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "master.cli", "sweep", str(ROOT / "cases" / "fill_sweep.toml"), "--out", f"{folder}/s"]
+        command = [sys.executable, "-m", "aeroslosh", "sweep", str(ROOT / "cases" / "fill_sweep.toml"), "--out", f"{folder}/s"]
         command += [word for text in SET for word in ("--set", text)] + [word for text in SWEPT for word in ("--grid", text)]
         begin = time.perf_counter()
         subprocess.run(

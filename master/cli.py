@@ -1,4 +1,4 @@
-"""The command `aeroslosh` (its commands are the modules of `master.commands`)."""
+"""The command `aeroslosh` (its commands are the modules of `commands`)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from master import disk, interrupts, streams
-from master.errors import AeroSloshError, ExitCode, show
+from .base import disk, interrupts, streams
+from .base.errors import AeroSloshError, ExitCode, show
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -40,7 +40,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
-    from master.commands import COMMANDS  # numpy is loaded here
+    from .commands import COMMANDS  # numpy is loaded here
 
     top = argparse.ArgumentParser(
         prog="aeroslosh",

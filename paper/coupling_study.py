@@ -23,17 +23,17 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import newton
 
-from fmus.tank.frozen import constants
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes
-from master import slosh
-from master.acceleration import QuasiNewton
-from master.component import Component
-from master.coupling import GaussSeidel, Jacobi, Scheme
-from master.errors import ComponentError
-from master.implicit import Criteria, Implicit
-from master.poles import Poles, refine
-from master.system import System, wires
+from aeroslosh.fmus.tank.frozen import constants
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
+from aeroslosh.master.analysis.exponentials import Poles, refine
+from aeroslosh.master.base.errors import ComponentError
+from aeroslosh.master.case import fuel_tank
+from aeroslosh.master.cosim.acceleration import QuasiNewton
+from aeroslosh.master.cosim.implicit import Criteria, Implicit
+from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.fmi.component import Component
 
 ROOT = Path(__file__).resolve().parents[1]
 OMEGA = 50.0  # about that of the motion [rad/s]
@@ -153,13 +153,13 @@ class Row:
 def march(fmus: Path, setup: Setup, way: Way, dt: float, steps: int) -> tuple[np.ndarray, float]:
     """Free motion of the coordinate over its start, (steps + 1,) or shorter where it blows up; passes a step."""
     structure, liquid = Component(fmus / "structure.fmu", "structure"), Component(fmus / "slosh_ems.fmu", "slosh")
-    system, scheme = System([structure, liquid], wires(slosh.wiring(way.split))), way.make()
+    system, scheme = System([structure, liquid], wires(fuel_tank.wiring(way.split))), way.make()
     values, passes = [1.0], 0
     try:
         liquid.set_all(setup.liquid())
         structure.set_all(setup.structure())
         if way.split == "frozen":
-            structure.set_all({name: value for name, value in constants(setup.tank).items() if name in slosh.CARRIED})
+            structure.set_all({name: value for name, value in constants(setup.tank).items() if name in fuel_tank.CARRIED})
         else:  # the weight is the trim's
             structure.set_all({"trim_lift": -setup.tank.mass * setup.tank.gravity})
         system.initialize()

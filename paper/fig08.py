@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from fmus.slosh_rbf.excitation import aprbs, aprbs_raw
-from fmus.slosh_rbf.signals import instants
+from aeroslosh.fmus.slosh_rbf.training.excitation import aprbs, aprbs_raw
+from aeroslosh.fmus.slosh_rbf.training.signals import instants
 
 Array = NDArray[np.float64]
 SAMPLE, HOLD, SEED = 0.02, 2, 8

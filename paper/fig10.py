@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.aero.control import Settings
-from fmus.aero.march import Flow
-from fmus.aero.mesh import o_mesh
+from aeroslosh.fmus.aero.control import Settings
+from aeroslosh.fmus.aero.march import Flow
+from aeroslosh.fmus.aero.mesh import o_mesh
 
 MACH, ALPHA_DEG, AIRFOIL = 0.70, 3.0, "NACA 64A010"
 PAPER = ((90, 26), (118, 34), (168, 48), (238, 68))

@@ -22,7 +22,7 @@ CASES = ((0.850, 0.439, 5, "damped"), (0.825, 0.612, 5, "near neutral"), (0.875,
 
 def march(mach: float, V_f: float, cycles: int, folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Result and history (tau, h_over_b, alpha) of one march."""
-    command = [sys.executable, "-m", "master.cli", "point", "cases/isogai_a.toml", "--mach", str(mach), "--vf", str(V_f)]
+    command = [sys.executable, "-m", "aeroslosh", "point", "cases/isogai_a.toml", "--mach", str(mach), "--vf", str(V_f)]
     command += ["--set", f"flutter.free_cycles={cycles}", "--json", "--quiet", "--no-pictures", "--out", str(folder)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 4):

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from master import case as cases
-from master import flutter
-from master.boundary import sample
-from master.rig import FlutterRig, find_fmus
+from aeroslosh.master.boundary.search import sample
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 
 FMUS = Path(__file__).resolve().parents[1] / "dist" / "fmus"
 LOW, HIGH = 0.2, 3.0  # V_f
 
 
-def row(name: str, mach: float, V_f: float, march: flutter.March) -> str:
+def row(name: str, mach: float, V_f: float, march: flutter_march.March) -> str:
     """case, Mach, V_f, growth rate, its uncertainty, frequency [omega_alpha], 1 where the motion grew out of what a fit reads."""
     s = sample(march)
     numbers = [f"{s.growth_rate:.8f}", f"{s.std:.2e}", f"{s.frequency:.5f}"] if s.known else ["", "", ""]
@@ -34,7 +34,7 @@ def main() -> None:
     for mach in map(float, machs):
         with FlutterRig(case, fmus, mach) as rig:
             for V_f in np.geomspace(LOW, HIGH, int(points)):
-                print(row(f"{case.name}_{slosh}", mach, V_f, flutter.march(rig, float(V_f))), flush=True)
+                print(row(f"{case.name}_{slosh}", mach, V_f, flutter_march.march(rig, float(V_f))), flush=True)
 
 
 if __name__ == "__main__":

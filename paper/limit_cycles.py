@@ -22,7 +22,7 @@ def main() -> None:
     print("| V_f | verdict | pitch amplitude | ω/ω_α | s CPU |\n|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for V_f in speeds:
-            command = [sys.executable, "-m", "master.cli", "point", "cases/isogai_a.toml", "--mach", mach, "--vf", V_f]
+            command = [sys.executable, "-m", "aeroslosh", "point", "cases/isogai_a.toml", "--mach", mach, "--vf", V_f]
             command += ["--set", f"flutter.free_cycles={CYCLES}", "--set", "flutter.forced_amplitude_deg=3"]
             command += ["--set", "flutter.max_alpha_deg=20", "--json", "--quiet", "--no-pictures", "--out", f"{folder}/{V_f}"]
             done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)

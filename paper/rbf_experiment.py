@@ -29,19 +29,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmus.slosh_rbf.body import from_load
-from fmus.slosh_rbf.dataset import Planned, Progress, Record, generate, read
-from fmus.slosh_rbf.excitation import Motion, aprbs_raw
-from fmus.slosh_rbf.feedback import Feedback, free_run, one_step, regressors
-from fmus.slosh_rbf.feedback_training import fit
-from fmus.slosh_rbf.intensity import intensity
-from fmus.slosh_rbf.memory import Array
-from fmus.slosh_rbf.network import untrained
-from fmus.slosh_rbf.plan import FINE as FINE_CELLS
-from fmus.slosh_rbf.plan import TANK, settings
-from fmus.slosh_rbf.signals import instants
-from fmus.slosh_rbf.surrogate import Surrogate
-from master.tank_records import LINEAR_LOADS, Drive
+from aeroslosh.fmus.slosh_rbf.body import from_load
+from aeroslosh.fmus.slosh_rbf.feedback import Feedback, free_run, one_step, regressors
+from aeroslosh.fmus.slosh_rbf.memory import Array
+from aeroslosh.fmus.slosh_rbf.network import untrained
+from aeroslosh.fmus.slosh_rbf.surrogate import Surrogate
+from aeroslosh.fmus.slosh_rbf.training.dataset import Planned, Progress, Record, generate, read
+from aeroslosh.fmus.slosh_rbf.training.excitation import Motion, aprbs_raw
+from aeroslosh.fmus.slosh_rbf.training.feedback_fit import fit
+from aeroslosh.fmus.slosh_rbf.training.intensity import intensity
+from aeroslosh.fmus.slosh_rbf.training.plan import FINE as FINE_CELLS
+from aeroslosh.fmus.slosh_rbf.training.plan import TANK, settings
+from aeroslosh.fmus.slosh_rbf.training.signals import instants
+from aeroslosh.master.training.tank_records import LINEAR_LOADS, Drive
 
 ROOT = Path(__file__).resolve().parents[1]
 STEP, FINE = 0.02, 2e-3

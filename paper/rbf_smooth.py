@@ -13,18 +13,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmus.slosh_rbf.dataset import Planned, generate, read
-from fmus.slosh_rbf.dataset import Record as Found
-from fmus.slosh_rbf.excitation import aprbs
-from fmus.slosh_rbf.feedback import INPUTS, Feedback, columns
-from fmus.slosh_rbf.feedback_training import fit
-from fmus.slosh_rbf.intensity import intensity
-from fmus.slosh_rbf.memory import Array
-from fmus.slosh_rbf.network import untrained
-from fmus.slosh_rbf.plan import TANK, settings
-from fmus.slosh_rbf.signals import instants
-from fmus.slosh_rbf.surrogate import Surrogate, inputs
-from master.tank_records import LINEAR_LOADS, Drive
+from aeroslosh.fmus.slosh_rbf.feedback import INPUTS, Feedback, columns
+from aeroslosh.fmus.slosh_rbf.memory import Array
+from aeroslosh.fmus.slosh_rbf.network import untrained
+from aeroslosh.fmus.slosh_rbf.surrogate import Surrogate, inputs
+from aeroslosh.fmus.slosh_rbf.training.dataset import Planned, generate, read
+from aeroslosh.fmus.slosh_rbf.training.dataset import Record as Found
+from aeroslosh.fmus.slosh_rbf.training.excitation import aprbs
+from aeroslosh.fmus.slosh_rbf.training.feedback_fit import fit
+from aeroslosh.fmus.slosh_rbf.training.intensity import intensity
+from aeroslosh.fmus.slosh_rbf.training.plan import TANK, settings
+from aeroslosh.fmus.slosh_rbf.training.signals import instants
+from aeroslosh.master.training.tank_records import LINEAR_LOADS, Drive
 
 from .rbf_experiment import (
     DELAYS,

@@ -31,7 +31,7 @@ Row = tuple[str, float, float, float, float, str, float]
 def point(model: str, amplitude_deg: float, settings: tuple[str, ...], fmus: Path) -> dict[str, object]:
     """The result of one march. Raises SystemExit with the command's words where it fails."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "master.cli", "point", "cases/paper_s.toml", "--mach", str(MACH), "--vf", str(V_F)]
+        command = [sys.executable, "-m", "aeroslosh", "point", "cases/paper_s.toml", "--mach", str(MACH), "--vf", str(V_F)]
         command += ["--slosh", model, "--fmus", str(fmus), "--json", "--quiet", "--no-pictures", "--out", f"{folder}/run"]
         for setting in (f"flutter.forced_amplitude_deg={amplitude_deg}", *settings):
             command += ["--set", setting]

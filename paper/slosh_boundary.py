@@ -16,7 +16,7 @@ import tempfile
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
-from master.slosh import LABEL
+from aeroslosh.master.case.fuel_tank import LABEL
 
 ROOT = Path(__file__).resolve().parents[1]
 MACH = (0.70, 0.75, 0.775, 0.80, 0.825, 0.85)
@@ -40,7 +40,7 @@ class Row:
 def boundary(model: str, mach: list[float], fmus: Path) -> list[Row]:
     """The onsets with one model of the liquid. Raises SystemExit with the command's words where it fails."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "master.cli", "boundary", "cases/paper_s.toml", "--slosh", model, "--json", "--quiet"]
+        command = [sys.executable, "-m", "aeroslosh", "boundary", "cases/paper_s.toml", "--slosh", model, "--json", "--quiet"]
         command += ["--mach", *map(str, mach), "--fmus", str(fmus), "--no-pictures", "--out", f"{folder}/run"]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 4):

@@ -10,11 +10,11 @@ import argparse
 import sys
 from pathlib import Path
 
-from fmus.slosh_rbf.dataset import DatasetError, Progress, generate
-from fmus.slosh_rbf.plan import TANK, standard
-from fmus.tank.liquid import Tank
-from master.errors import AeroSloshError
-from master.tank_records import Drive
+from aeroslosh.fmus.slosh_rbf.training.dataset import DatasetError, Progress, generate
+from aeroslosh.fmus.slosh_rbf.training.plan import TANK, standard
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.training.tank_records import Drive
 
 
 def main() -> int:

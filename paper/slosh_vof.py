@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from aeroslosh.fmus.slosh_vof.flow import Flow
+from aeroslosh.fmus.slosh_vof.grid import Grid
 from benchmarks.interfoam import case_b, case_c06, from_section
 from benchmarks.slosh_vof import STEP, TANK, motion_of
-from fmus.slosh_vof.flow import Flow
-from fmus.slosh_vof.grid import Grid
 
 Array = NDArray[np.float64]
 DATA = Path(__file__).resolve().parents[1] / "tests" / "data"

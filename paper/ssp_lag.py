@@ -18,16 +18,16 @@ from pathlib import Path
 
 import numpy as np
 
-from master import case as cases
-from master import flutter
-from master.case import Case
-from master.component import Component
-from master.coupling import Jacobi
-from master.damping import Fit, analyse
-from master.hosts import ssp_system
-from master.rig import FlutterRig, find_fmus
-from master.similarity import scales
-from master.system import System
+from aeroslosh.master.analysis.damping import Fit, analyse
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.case.scales import scales
+from aeroslosh.master.cosim.scheme import Jacobi
+from aeroslosh.master.cosim.system import System
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.fmi.component import Component
+from aeroslosh.master.ssp import system as ssp_system
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = {  # name → case file, overrides, steps a period
@@ -63,7 +63,7 @@ def exported(case: Case, fmus: dict[str, Path], prediction: str) -> float:
             motion[:, step] = structure.get("h") / s.half_chord, structure.get("alpha")
     finally:
         system.close()
-    release = flutter.length(case, s)[0]
+    release = flutter_march.length(case, s)[0]
     tau = s.omega_alpha * coupled.dt * np.arange(coupled.steps + 1)
     return _rate(analyse(tau[release:], motion[:, release:]))
 
@@ -71,7 +71,7 @@ def exported(case: Case, fmus: dict[str, Path], prediction: str) -> float:
 def own(case: Case, fmus: dict[str, Path]) -> float:
     """Growth rate of the master's own march, as the case says."""
     with FlutterRig(case, fmus, case.flow.mach) as rig:
-        return _rate(flutter.march(rig, case.flutter.V_f).fit)
+        return _rate(flutter_march.march(rig, case.flutter.V_f).fit)
 
 
 def _rate(fit: Fit | None) -> float:

@@ -15,7 +15,8 @@ import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; before numpy is loaded
 
-from fmus.kit import build, sources
+from aeroslosh.fmus.build import archive as build_archive
+from aeroslosh.fmus.kit import sources
 
 DIST = Path(__file__).resolve().parents[1] / "dist" / "fmus"
 
@@ -24,10 +25,10 @@ def is_current(fmu: Path, folder: Path) -> bool:
     """Tell whether `fmu` was built from the sources that now lie in `folder`."""
     if not fmu.is_file():
         return False
-    digest = sources.content_hash(sources.component_files(folder, build.ROOT))
+    digest = sources.content_hash(sources.component_files(folder, build_archive.ROOT))
     wanted = f"resources/{folder.name}_{digest}_slave.py"
     with zipfile.ZipFile(fmu) as archive:
-        return wanted in archive.namelist() and archive.read(wanted) == build.script_text(folder, digest)
+        return wanted in archive.namelist() and archive.read(wanted) == build_archive.script_text(folder, digest)
 
 
 @pytest.fixture(scope="session")
@@ -37,10 +38,10 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str | Path], Path
     built: dict[str, Path] = {}
 
     def get(component: str | Path) -> Path:
-        folder = build.ROOT / component if isinstance(component, str) else component
+        folder = build_archive.ROOT / component if isinstance(component, str) else component
         if folder.name not in built:
             ready = DIST / f"{folder.name}.fmu"
-            built[folder.name] = ready if is_current(ready, folder) else build.build(folder, out)
+            built[folder.name] = ready if is_current(ready, folder) else build_archive.build(folder, out)
         return built[folder.name]
 
     return get

@@ -53,7 +53,7 @@ _MEAN_LINES_5 = {
     "41": (0.3180, 6.520, 0.0303),
     "51": (0.4410, 3.191, 0.1355),
 }
-"""Second and third digit → r, k1 and k2/k1 of the mean line for a design lift coefficient of 0.3 (first digit 2). NASA TM 4741."""
+"""Second and third digit → r, k1 and k2/k1 of the mean line for a design lift coefficient of 0.3 (first digit 2). TM 4741."""
 
 
 def naca5(code: str) -> Array:

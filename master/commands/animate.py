@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from master.errors import ExitCode
+from ..base.errors import ExitCode
 
 
 def register(commands: Any) -> None:
@@ -24,11 +24,11 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Pictures and an animation of the liquid in a tank."""
-    from master import animation  # matplotlib takes half a second to import
+    from ..pictures import tank_film  # matplotlib takes half a second to import
 
-    fields = animation.find(options.folder)
+    fields = tank_film.find(options.folder)
     out = options.out or options.folder / "animation.gif"
-    files = animation.animate(fields, out, options.fps, out.with_suffix("") if options.pictures else None)
+    files = tank_film.animate(fields, out, options.fps, out.with_suffix("") if options.pictures else None)
     if options.json:
         print(json.dumps({"frames": len(fields), "files": [str(path) for path in files]}))
     else:

@@ -9,19 +9,24 @@ import time as clock
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, disk, flutter, interrupts, outcome, slosh, trust, vg
-from master.boundary import BoundaryPoint
-from master.case import Case
-from master.commands import common
-from master.errors import AeroSloshError, ExitCode, InternalError, show
-from master.flutter import March
-from master.progress import Progress
-from master.record import RunFolder, provenance, write_history
-from master.rig import FlutterRig, find_fmus
-from master.wording import plus_minus
+from ..base import disk, interrupts
+from ..base.errors import AeroSloshError, ExitCode, InternalError, show
+from ..base.wording import plus_minus
+from ..boundary import modes, solve
+from ..boundary.search import BoundaryPoint
+from ..case import fuel_tank
+from ..case.case import Case
+from ..cosim.progress import Progress
+from ..flutter import march as flutter_march
+from ..flutter.march import March
+from ..flutter.setup import FlutterRig, find_fmus
+from ..results import summary as results_summary
+from ..results import trust
+from ..results.run_folder import RunFolder, provenance, write_history
+from . import common
 
 GRAVITY = (ExitCode.OK, ExitCode.UNDETERMINED, ExitCode.INPUT, ExitCode.INCOMPLETE, ExitCode.COMPONENT, ExitCode.INTERNAL)
-PUBLISHED = Path(__file__).resolve().parents[1] / "published.csv"
+PUBLISHED = Path(__file__).resolve().parents[1] / "boundary" / "published.csv"
 
 
 def register(commands: Any) -> None:
@@ -60,23 +65,24 @@ def execute(options: argparse.Namespace) -> int:
             stop.add_note(kept.told())
             raise
         data = kept.data()
-        summary = outcome.boundary_summary(data["points"])
+        summary = results_summary.boundary_summary(data["points"])
         folder.log("\n" + summary)
         spent = f"{data['cost']['wall_seconds']:.1f} s wall, {data['cost']['cpu_seconds']:.1f} s CPU"
-        label = slosh.LABEL[case.slosh.model]
+        label = fuel_tank.LABEL[case.slosh.model]
         if case.boundary.method == "linear" and case.slosh.model not in ("none", "frozen"):
             label += ", carried frozen by the linear method"
-        section = [outcome.airfoil_line(kept.airfoil)] if kept.airfoil else []
+        section = [results_summary.airfoil_line(kept.airfoil)] if kept.airfoil else []
         text = "\n".join([f"Flutter boundary of {case.name}, {label}", summary, *section, f"  cost         {spent}"])
         with common.printed(options, data, text, folder):
             if case.output.pictures:
-                from master import boundary_plot, vg_plot
+                from ..pictures import boundary as pictures_boundary
+                from ..pictures import modes
 
                 published = PUBLISHED if case.name.startswith("isogai_a") and case.slosh.model == "none" else None
-                boundary_plot.draw(points, folder.path / "boundary.png", published, case.slosh.model)
+                pictures_boundary.draw(points, folder.path / "boundary.png", published, case.slosh.model)
                 common.draw_airfoil(case, folder, kept.airfoil)
                 for p in points:
-                    vg_plot.draw(p, *kept.range, folder.path / f"vg_M{p.mach:g}.png")
+                    modes.draw(p, *kept.range, folder.path / f"vg_M{p.mach:g}.png")
         return _exit_code(points)
 
 
@@ -118,7 +124,7 @@ class Kept:
         for march in point.marches:
             name = f"history_M{point.mach:g}_Vf{march.scales.V_f:.4f}.nc"
             write_history(self.folder.path / name, march, about)
-        vg.write(point, *self.range, self.folder.path / f"modes_M{point.mach:g}.csv")
+        modes.write(point, *self.range, self.folder.path / f"modes_M{point.mach:g}.csv")
 
     @property
     def range(self) -> tuple[float, float]:
@@ -140,12 +146,12 @@ class Kept:
 def _row(point: BoundaryPoint) -> dict[str, Any]:
     """The data of a point; of one that cannot be told, which from then on has failed, that it cannot."""
     try:
-        row = outcome.point_data(point)
+        row = results_summary.point_data(point)
         json.dumps(row, allow_nan=False)
     except Exception as error:
         point.failure, point.converged = InternalError(error, f"Mach {point.mach:g}"), False
         point.outcome = f"failed: {point.failure.what}"
-        return outcome.point_data(BoundaryPoint(point.mach, [], [], point.outcome, False))
+        return results_summary.point_data(BoundaryPoint(point.mach, [], [], point.outcome, False))
     return row
 
 
@@ -153,7 +159,7 @@ def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) ->
     """The points; each march said as it ends, each point kept."""
     folder = kept.folder
 
-    def before_march(rig: FlutterRig, V_f: float) -> flutter.Watcher:
+    def before_march(rig: FlutterRig, V_f: float) -> flutter_march.Watcher:
         progress.start(f"M {rig.mach:g} V_f {V_f:.4g}")
         return progress.watch
 
@@ -161,12 +167,12 @@ def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) ->
         fit, s = march.fit, march.scales
         rate = f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}" if fit else march.reason
         worst = trust.validity(march)
-        rate += "" if worst is None or slosh.holds(worst) else f", {slosh.broken(worst)}"
+        rate += "" if worst is None or fuel_tank.holds(worst) else f", {fuel_tank.broken(worst)}"
         common.say(f"  Mach {s.mach:g}, V_f {s.V_f:.4f}: {rate}, {march.cost.wall:.1f} s", folder, progress)
         common.log_messages(rig.system.components, folder)
 
     def on_point(found: BoundaryPoint) -> None:
-        common.say(f"Mach {found.mach:g}: {outcome.point_data(found)['outcome']}", folder, progress)
+        common.say(f"Mach {found.mach:g}: {results_summary.point_data(found)['outcome']}", folder, progress)
         if found.failure is not None:
             folder.log(f"{found.failure}\n{found.failure.traceback}")
         kept.add(found)
@@ -181,7 +187,7 @@ def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) ->
     def section_file() -> Path | None:
         return common.section_file(folder) if case.output.pictures else None  # the folder's name changes with the first point
 
-    return boundary_case.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section_file)
+    return solve.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section_file)
 
 
 def _exit_code(points: list[BoundaryPoint]) -> int:

@@ -12,14 +12,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from master import airfoils, case_checks, checkpoint, plausible
-from master import case as cases
-from master.case import Case
-from master.checkpoint import Checkpoint, Keeper
-from master.component import Component
-from master.errors import AeroSloshError
-from master.progress import Progress
-from master.record import RunFolder
+from ..base.errors import AeroSloshError
+from ..case import airfoils, checks, plausible
+from ..case import case as cases
+from ..case.case import Case
+from ..cosim import checkpoint
+from ..cosim.checkpoint import Checkpoint, Keeper
+from ..cosim.progress import Progress
+from ..fmi.component import Component
+from ..results.run_folder import RunFolder
 
 EVERY = 500  # steps between two checkpoints
 DOUBTS = 5  # warnings shown of a sweep's points
@@ -102,14 +103,14 @@ def load_case(options: argparse.Namespace, command: str = "", changes: Mapping[s
 def tell(options: argparse.Namespace, asked: Sequence[Case], command: str, log: Callable[[str], None]) -> dict[str, Any]:
     """Say what nobody gave in the cases `asked` (the points of a sweep, or one) and what is unusual in any of them: into the
     log, and on standard error but with --json; as data."""
-    silent = case_checks.told(asked[0], command)
+    silent = checks.told(asked[0], command)
     doubts = list(dict.fromkeys(doubt for case in asked for doubt in plausible.doubts(case)))
     more = [f"warning: {len(doubts) - DOUBTS} more of the kind"] if len(doubts) > DOUBTS else []
     for text in [*([silent] if silent else []), *(f"warning: {doubt}" for doubt in doubts[:DOUBTS]), *more]:
         log(text)
         if not options.json:
             print(text, file=sys.stderr, flush=True)
-    return {"defaults": case_checks.defaults(asked[0], command), "warnings": doubts}
+    return {"defaults": checks.defaults(asked[0], command), "warnings": doubts}
 
 
 def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
@@ -121,9 +122,9 @@ def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
 def draw_airfoil(case: Case, folder: RunFolder, summary: str) -> None:
     """airfoil.png, from the table that the aero FMU wrote (section_file)."""
     if case.output.pictures and section_file(folder).is_file():
-        from master import airfoil_plot  # matplotlib takes half a second to import
+        from ..pictures import airfoil as pictures_airfoil  # matplotlib takes half a second to import
 
-        airfoil_plot.draw(section_file(folder), folder.path / "airfoil.png", summary)
+        pictures_airfoil.draw(section_file(folder), folder.path / "airfoil.png", summary)
 
 
 def section_file(folder: RunFolder) -> Path:

@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from master import compare, compare_text, past_run
-from master.errors import ExitCode
+from ..base.errors import ExitCode
+from ..results import compare, compare_text, past_run
 
 EPILOG = (
     "exit codes: 0 the same (within the tolerance), 1 different, 2 bad input; cost, settings and provenance alone never make it 1"

@@ -8,11 +8,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from master import atomic
-from master.commands import common
-from master.errors import AeroSloshError, ExitCode
-from master.hosts import doctor, finding, hosting, selftest
-from master.hosts.finding import Finding
+from ..base import files
+from ..base.errors import AeroSloshError, ExitCode
+from ..hosts import doctor, finding, hosting, selftest
+from ..hosts.finding import Finding
+from . import common
 
 
 def register(commands: Any) -> None:
@@ -75,7 +75,7 @@ def _write_script(options: argparse.Namespace) -> int:
     if reason := hosting.unloadable(library):
         raise AeroSloshError(reason, str(library), hosting.MOVE)
     try:
-        atomic.write(options.script, hosting.script(library).encode())
+        files.write(options.script, hosting.script(library).encode())
         options.script.chmod(0o755)
     except OSError as error:
         raise AeroSloshError(

@@ -9,9 +9,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from master import drive, slosh
-from master.component import Component
-from master.errors import AeroSloshError, ExitCode
+from ..base.errors import AeroSloshError, ExitCode
+from ..case import fuel_tank
+from ..fmi import table_drive
+from ..fmi.component import Component
 
 
 def register(commands: Any) -> None:
@@ -37,7 +38,7 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """One FMU alone, driven by a table; CSV and picture of what comes out."""
-    table = drive.read(options.input)
+    table = table_drive.read(options.input)
     if options.step is not None:
         if not options.step > 0.0:
             raise AeroSloshError(f"--step {options.step:g}", "command line", "a step above 0 [s]")
@@ -45,22 +46,22 @@ def execute(options: argparse.Namespace) -> int:
     if not options.fmu.is_file():
         raise AeroSloshError("There is no such FMU", str(options.fmu), "build the FMUs with `make fmus`")
     component = Component(options.fmu, options.fmu.stem)
-    drive.set_parameters(component, options.set)
-    table, derived = drive.completed(table, component.input_index)
+    table_drive.set_parameters(component, options.set)
+    table, derived = table_drive.completed(table, component.input_index)
     if derived:
         print(f"note: {', '.join(derived)} not in the table, taken from splines", file=sys.stderr)
     target = options.out or options.input.with_name(f"{options.input.stem}_{options.fmu.stem}.csv")
     if options.fields is not None and options.fields < 1:
         raise AeroSloshError(f"--fields {options.fields}", "command line", "a number of rows, at least 1")
-    folder = drive.prepare_fields(component, target.parent / "fields") if options.fields else None
-    columns = drive.run(component, table, options.fields or 0)
-    drive.write(target, columns)
+    folder = table_drive.prepare_fields(component, target.parent / "fields") if options.fields else None
+    columns = table_drive.run(component, table, options.fields or 0)
+    table_drive.write(target, columns)
     files = [str(target)]
     if folder is not None:
-        files += [os.path.relpath(folder), os.path.relpath(drive.collect_fields(folder, table, options.fields))]
+        files += [os.path.relpath(folder), os.path.relpath(table_drive.collect_fields(folder, table, options.fields))]
     if not options.no_pictures:
         picture = target.with_suffix(".png")
-        drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
+        table_drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
         files.append(str(picture))
     steps = table.times.size - 1
     worst = float(columns["validity"].max()) if "validity" in columns else None
@@ -68,6 +69,6 @@ def execute(options: argparse.Namespace) -> int:
         print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files, "validity": worst}))
     else:
         print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
-        if worst is not None and not slosh.holds(worst):
-            print(f"  note: {slosh.broken(worst)}")
+        if worst is not None and not fuel_tank.holds(worst):
+            print(f"  note: {fuel_tank.broken(worst)}")
     return ExitCode.OK

@@ -9,15 +9,17 @@ import os
 from pathlib import Path
 from typing import Any
 
-from master import assembly as assemblies
-from master import case as cases
-from master import export, history, settings
-from master.commands import common
-from master.errors import AeroSloshError, ExitCode
-from master.hosts import ssp, ssp_system
-from master.hosts.ssp_system import Coupled
-from master.progress import Progress
-from master.rig import find_fmus
+from ..base import settings
+from ..base.errors import AeroSloshError, ExitCode
+from ..case import case as cases
+from ..cosim import system_file as assemblies
+from ..cosim.progress import Progress
+from ..flutter.setup import find_fmus
+from ..results import export, history_file
+from ..ssp import archive as ssp_archive
+from ..ssp import system as ssp_system
+from ..ssp.system import Coupled
+from . import common
 
 WRITERS = {"csv": export.to_csv, "parquet": export.to_parquet}
 
@@ -92,7 +94,7 @@ def _system(options: argparse.Namespace) -> int:
     target = options.out or Path(f"{coupled.name}{liquid}.ssp")
     if target.suffix != ".ssp":
         raise AeroSloshError(f"SSP tools know an archive by its ending, not as {target.name}", "--out", "end it in .ssp")
-    ssp.write(coupled, target)
+    ssp_archive.write(coupled, target)
     if options.json:
         data = {
             "file": str(target),
@@ -140,7 +142,7 @@ def _from_assembly(options: argparse.Namespace) -> Coupled:
 
 def _tables(options: argparse.Namespace) -> int:
     """Every history of the path as a table."""
-    sources = [found for path in history.find(options.path) for found in history.read(path)]
+    sources = [found for path in history_file.find(options.path) for found in history_file.read(path)]
     targets = export.targets(sources, options.out, f".{options.format}")
     files = [file for s, target in zip(sources, targets, strict=True) for file in WRITERS[options.format](s, target)]
     samples = sum(s.size for s in sources)

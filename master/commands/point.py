@@ -6,15 +6,21 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from master import case as cases
-from master import checkpoint, flutter, fmu_cache, outcome, pvd, slosh, trust
-from master.case import Case
-from master.commands import common
-from master.errors import ExitCode, show
-from master.progress import Progress
-from master.record import RunFolder, provenance, write_history
-from master.rig import FlutterRig, find_fmus
-from master.verdict import Verdict
+from ..analysis.verdict import Verdict
+from ..base import pvd
+from ..base.errors import ExitCode, show
+from ..case import case as cases
+from ..case import fuel_tank
+from ..case.case import Case
+from ..cosim import checkpoint
+from ..cosim.progress import Progress
+from ..flutter import march as flutter_march
+from ..flutter.setup import FlutterRig, find_fmus
+from ..fmi import unpack
+from ..results import summary as results_summary
+from ..results import trust
+from ..results.run_folder import RunFolder, provenance, write_history
+from . import common
 
 # what may differ from the checkpoint's: a march may grow
 FREE = ("flutter.free_cycles", "flutter.max_free_cycles", "output.pictures", "output.fields")
@@ -38,7 +44,7 @@ def execute(options: argparse.Namespace) -> int:
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     common.check_airfoil(options, case, fmus["aero"])
     files, settings = _files(case, fmus), cases.flat(case)
-    hashes = {name: fmu_cache.sha256(path) for name, path in files.items()}
+    hashes = {name: unpack.sha256(path) for name, path in files.items()}
     # all this before the steady flow, which may take minutes
     keeper, start = common.keeper(options, settings, hashes), common.restart(options, settings, hashes, FREE)
     if keeper is not None:
@@ -61,11 +67,11 @@ def execute(options: argparse.Namespace) -> int:
                 folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
             common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
             progress.start(f"M {mach:g} V_f {V_f:.4g}")
-            march = flutter.march(rig, V_f, fields, progress.watch, keeper, start)
-            data = outcome.march_data(march, rig.steady_cpu) | told | {"airfoil_summary": airfoil or None}
+            march = flutter_march.march(rig, V_f, fields, progress.watch, keeper, start)
+            data = results_summary.march_data(march, rig.steady_cpu) | told | {"airfoil_summary": airfoil or None}
             common.log_messages(rig.system.components, folder)
         folder.keep()  # a failed march's history is worth keeping
-        summary = outcome.march_summary(data)
+        summary = results_summary.march_summary(data)
         folder.log(summary)
         if march.failure is not None:
             folder.log(f"{march.failure}\n{march.failure.traceback}")
@@ -86,16 +92,16 @@ def _files(case: Case, fmus: dict[str, Path]) -> dict[str, Path]:
     """The FMU of each component."""
     files = {"structure": fmus["structure"], "aero": fmus["aero"]}
     liquid = {"slosh": case.slosh.model, "slosh_predictor": case.slosh.predictor}
-    return files | {name: fmus[slosh.FMU[model]] for name, model in liquid.items() if model in slosh.FMU}
+    return files | {name: fmus[fuel_tank.FMU[model]] for name, model in liquid.items() if model in fuel_tank.FMU}
 
 
-def _draw(case: Case, march: flutter.March, folder: RunFolder, progress: Progress) -> None:
+def _draw(case: Case, march: flutter_march.March, folder: RunFolder, progress: Progress) -> None:
     if not case.output.pictures:
         return
-    from master import plots  # matplotlib takes half a second to import
+    from ..pictures import march as pictures_march  # matplotlib takes half a second to import
 
     progress.say("pictures")
-    plots.histories(march, folder.path / "histories.png")
-    plots.phase(march, folder.path / "phase.png")
+    pictures_march.histories(march, folder.path / "histories.png")
+    pictures_march.phase(march, folder.path / "phase.png")
     if march.fields:
-        plots.mach_field(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)
+        pictures_march.mach_field(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)

@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from master import assembly as assemblies
-from master import drive, simulation
-from master.assembly import Assembly
-from master.commands import common
-from master.errors import ExitCode, show
-from master.progress import Progress
-from master.record import RunFolder, provenance
-from master.simulation import Simulation
+from ..base.errors import ExitCode, show
+from ..cosim import system_file as assemblies
+from ..cosim import system_run
+from ..cosim.progress import Progress
+from ..cosim.system_file import Assembly
+from ..cosim.system_run import Simulation
+from ..fmi import table_drive
+from ..results.run_folder import RunFolder, provenance
+from . import common
 
 
 def register(commands: Any) -> None:
@@ -49,16 +50,16 @@ def execute(options: argparse.Namespace) -> int:
             if assembly.dt != assembly.run.step:
                 common.say(f"steps of {assembly.dt!r} s: the run holds no whole number of run.step", folder, progress)
             progress.start(assembly.name)
-            result = simulation.simulate(assembly, system, progress.watch, keeper, start)
+            result = system_run.simulate(assembly, system, progress.watch, keeper, start)
             common.log_messages(system.everyone, folder)
         finally:
             system.close()
         folder.keep()
-        about, data = provenance(hashes), simulation.data(result)
+        about, data = provenance(hashes), system_run.data(result)
         text = _summary(assembly, data)
         folder.log(text)
         with common.printed(options, data, text, folder):
-            simulation.write_history(folder.path / "history.nc", result, about)
+            system_run.write_history(folder.path / "history.nc", result, about)
             folder.write_result(data | {"provenance": about})
             if assembly.run.pictures and not options.no_pictures:
                 _draw(folder.path / "histories.png", result)
@@ -69,8 +70,8 @@ def execute(options: argparse.Namespace) -> int:
 
 
 def _draw(path: Path, result: Simulation) -> None:
-    nothing = drive.Table(result.time, [], np.zeros((result.time.size, 0)))
-    drive.draw(path, nothing, {"time": result.time, **result.outputs}, result.units)
+    nothing = table_drive.Table(result.time, [], np.zeros((result.time.size, 0)))
+    table_drive.draw(path, nothing, {"time": result.time, **result.outputs}, result.units)
 
 
 def _summary(assembly: Assembly, data: dict[str, Any]) -> str:

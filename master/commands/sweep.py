@@ -10,20 +10,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from master import airfoils
-from master import case as cases
-from master.case import Case
-from master.commands import common
-from master.errors import AeroSloshError, ExitCode
-from master.record import provenance, source_hash
-from master.rig import find_fmus
-from master.sweeps import estimate, plan, report, sweep
-from master.sweeps.jobs import Job, Product
-from master.sweeps.parameters import Parameter, from_case, from_words
-from master.sweeps.plan import Plan
-from master.sweeps.progress import SweepProgress
-from master.sweeps.sweep import Pool, Store
-from master.sweeps.workers import LocalPool, usable_cores
+from ..base.errors import AeroSloshError, ExitCode
+from ..case import airfoils
+from ..case import case as cases
+from ..case.case import Case
+from ..flutter.setup import find_fmus
+from ..results.run_folder import provenance, source_hash
+from ..sweeps import estimate, plan, sweep
+from ..sweeps.jobs import Job, Product
+from ..sweeps.parameters import Parameter, from_case, from_words
+from ..sweeps.plan import Plan
+from ..sweeps.progress import SweepProgress
+from ..sweeps.sweep import Pool, Store
+from ..sweeps.workers import LocalPool, usable_cores
+from . import common, sweep_report
 
 FLAGS = {"grid": "grid", "list": "list", "hypercube": "latin-hypercube"}
 
@@ -109,7 +109,7 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
             say(f"{len(left)} of {len(wanted.points)} points to compute on {pool.name}")
             _forecast(pool, left, progress)
             sweep.run(wanted, store, pool, " ".join(sys.argv), progress.show, on_product)
-        return report.conclude(options, wanted, store, clock.perf_counter() - begin, told)
+        return sweep_report.conclude(options, wanted, store, clock.perf_counter() - begin, told)
     except KeyboardInterrupt as stop:
         kept = len(wanted.points) - len(store.left(wanted))
         said = f"interrupted; {kept} of {len(wanted.points)} points are finished and kept, --resume goes on"
@@ -170,7 +170,7 @@ def _pool(options: argparse.Namespace, wanted: Plan, workers: int, say: Callable
     """Local workers, or those of a cluster."""
     if options.scheduler is None:
         return LocalPool(workers, options.recycle, say)
-    from master.sweeps.cluster import DaskPool  # a package that only clusters need
+    from ..sweeps.cluster import DaskPool  # a package that only clusters need
 
     files = {file for p in wanted.points for file in p.files.values()}
     return DaskPool(options.scheduler, sorted(files), options.recycle, say)

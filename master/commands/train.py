@@ -11,12 +11,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from master import tank_records, training_case, training_report
-from master.commands import common
-from master.errors import AeroSloshError, ExitCode
-from master.progress import Progress
-from master.record import RunFolder, provenance
-from master.training_case import TrainingCase
+from ..base.errors import AeroSloshError, ExitCode
+from ..cosim.progress import Progress
+from ..results.run_folder import RunFolder, provenance
+from ..training import case as training_case
+from ..training import report as training_report
+from ..training import tank_records
+from ..training.case import TrainingCase
+from . import common
 
 CALM = 0.75  # D: well below where gravity vanishes anywhere on the surface
 QUICK = (
@@ -46,8 +48,12 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Records, networks, tests, report."""
-    from fmus.slosh_rbf import dataset, feedback, study  # what a user of the other commands need not load
-    from fmus.slosh_rbf.network import NetworkError, untrained
+    from ...fmus.slosh_rbf import feedback  # what a user of the other commands need not load
+    from ...fmus.slosh_rbf.network import NetworkError, untrained
+    from ...fmus.slosh_rbf.training import (
+        dataset,  # what a user of the other commands need not load
+        study,  # what a user of the other commands need not load
+    )
 
     case = training_case.load(options.case, [*(QUICK if options.quick else ()), *options.set])
     if case.training.tuning and not _has_torch():
@@ -126,8 +132,8 @@ def execute(options: argparse.Namespace) -> int:
 
 def _records(case: TrainingCase, options: argparse.Namespace, folder: Path, say: Any) -> tuple[list[Any], float]:
     """The records of the standard plan, computed where they are not there yet, and the CPU seconds they cost."""
-    from fmus.slosh_rbf import dataset, plan
-    from fmus.tank.liquid import Tank
+    from ...fmus.slosh_rbf.training import dataset, plan
+    from ...fmus.tank.liquid import Tank
 
     s, t = case.slosh, case.training
     tank = Tank(s.tank_length, s.tank_height, s.tank_width, s.fill_level, 0.0, 0.0, s.liquid_density, s.gravity)
@@ -153,7 +159,7 @@ def _cpu(attributes: Mapping[str, Any]) -> float:
 
 
 def _settings(case: TrainingCase, seed: int) -> Any:
-    from fmus.slosh_rbf.training import Settings
+    from ...fmus.slosh_rbf.training.fit import Settings
 
     t = case.training
     return Settings(tuple(t.centres), tuple(t.spreads), tuple(t.ridges), t.tuning, seed)

@@ -13,10 +13,10 @@ import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from master import fmu_cache
-from master.errors import AeroSloshError
-from master.hosts import hosting
-from master.hosts.finding import Finding, ok, problem, warning
+from ..base.errors import AeroSloshError
+from ..fmi import unpack
+from . import hosting
+from .finding import Finding, ok, problem, warning
 
 GLIBC = (2, 32)  # of pythonfmu's linux64 binary (__libc_single_threaded)
 PLAIN = re.compile(r"[A-Za-z0-9_.~/\\: -]+")  # any other character of a path is %XX in a URI; pythonfmu 0.7 decodes %20 alone
@@ -85,7 +85,7 @@ def folders() -> list[Finding]:
         found.append(warning("folders", text, "set TMPDIR to a folder of ASCII letters, digits and ._-"))
     places: list[tuple[str, Callable[[], Path]]] = [
         ("temporary", lambda: Path(temporary)),
-        ("unzipped FMUs", fmu_cache.cache_root),
+        ("unzipped FMUs", unpack.cache_root),
         ("working", Path.cwd),
     ]
     for what, place in places:

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from master.hosts import hosting
+from . import hosting
 
 USE = """use: aeroslosh-launch HOST ARGUMENTS...
 

@@ -1,4 +1,4 @@
-"""Make the reference result of an FMU anew: `python -m master.hosts.make_reference FMU FOLDER`.
+"""Make the reference result of an FMU anew: `python -m aeroslosh.master.hosts.make_reference FMU FOLDER`.
 
 FOLDER holds experiment.json (see `reference`); input.csv, output.csv and picture.svg are written beside it."""
 
@@ -16,8 +16,8 @@ from typing import Any
 import fmpy
 import numpy as np
 
-from master import atomic
-from master.hosts.reference import Columns, simulate
+from ..base import files
+from .reference import Columns, simulate
 
 
 def motion(experiment: Mapping[str, Any], names: Mapping[str, Any]) -> Columns:
@@ -59,15 +59,15 @@ def make(fmu: Path, folder: Path) -> list[Path]:
     inputs = motion(experiment, units)
     outputs = simulate(fmu, experiment, inputs)
     paths = [folder / "input.csv", folder / "output.csv", folder / "picture.svg"]
-    atomic.write(paths[0], _text(inputs).encode())
-    atomic.write(paths[1], _text(outputs).encode())
+    files.write(paths[0], _text(inputs).encode())
+    files.write(paths[1], _text(outputs).encode())
     _draw(paths[2], experiment["title"], inputs, outputs, units)
     return paths
 
 
 def _draw(path: Path, title: str, inputs: Columns, outputs: Columns, units: Mapping[str, str]) -> None:
     """Inputs (positions and loads) and outputs over time."""
-    from master import canvas
+    from ..pictures import canvas
 
     shown = {name: column for name, column in inputs.items() if name != "time" and not name.endswith("dot")}
     panels = [(inputs["time"], name, column, "C7") for name, column in shown.items()]
@@ -88,7 +88,7 @@ def _draw(path: Path, title: str, inputs: Columns, outputs: Columns, units: Mapp
     # the same picture is the same file; texts stay texts
     with canvas.rc_context({"svg.hashsalt": "aeroslosh", "svg.fonttype": "none"}):
         figure.savefig(picture, format="svg", metadata={"Date": None})
-    atomic.write(path, picture.getvalue())
+    files.write(path, picture.getvalue())
 
 
 def _text(columns: Columns) -> str:
@@ -100,7 +100,7 @@ def _text(columns: Columns) -> str:
 def main(arguments: list[str] | None = None) -> int:
     """Make a reference anew; returns the exit code."""
     parser = argparse.ArgumentParser(
-        prog="python -m master.hosts.make_reference", description="Make an FMU's reference result anew."
+        prog="python -m aeroslosh.master.hosts.make_reference", description="Make an FMU's reference result anew."
     )
     parser.add_argument("fmu", type=Path, help="e.g. dist/fmus/aero.fmu")
     parser.add_argument("folder", type=Path, help="e.g. fmus/aero/reference, with its experiment.json")

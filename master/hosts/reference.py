@@ -7,7 +7,7 @@ In the FMU, documentation/reference/:
     output.csv        `time` and the outputs at that time
 Values are set before a step and mean its end: a row of input.csv holds the motion one step later. So any tool that sets a row
 and steps reproduces output.csv, with nothing lagging.
-`python -m master.hosts.make_reference` makes them.
+`python -m aeroslosh.master.hosts.make_reference` makes them.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from typing import Any
 import fmpy
 import numpy as np
 
-from master import fmu_cache
-from master.errors import AeroSloshError
+from ..base.errors import AeroSloshError
+from ..fmi import unpack
 
 INSIDE = "documentation/reference/"
 Columns = dict[str, np.ndarray]
@@ -105,7 +105,7 @@ def simulate(fmu: Path, experiment: Mapping[str, Any], inputs: Columns) -> Colum
 def check(fmu: Path) -> list[Difference]:
     """Run the FMU's own reference experiment and return how far each output is from it. Raises AeroSloshError."""
     reference = read(fmu)
-    folder, _ = fmu_cache.unzip(fmu)  # a plain path, whatever the temporary folder is called
+    folder, _ = unpack.unzip(fmu)  # a plain path, whatever the temporary folder is called
     found = simulate(folder, reference.experiment, reference.inputs)
     return [
         Difference(name, _distance(found[name], reference.outputs[name]), float(allowed))

@@ -1,6 +1,7 @@
 """Does an FMU work here? Its checks run in a process of their own, so that a crash is a finding and not the end.
 
-`findings(path)` starts `python -m master.hosts.selftest FMU` and returns what it found; CHECKS is the list of what is done there.
+`findings(path)` starts `python -m aeroslosh.master.hosts.selftest FMU` and returns what it found; CHECKS is the list of what is
+done there.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from pathlib import Path
 
 import numpy as np
 
-from master.component import Component
-from master.errors import AeroSloshError, ComponentError
-from master.hosts import reference as references
-from master.hosts.finding import Finding, ok, problem
+from ..base.errors import AeroSloshError, ComponentError
+from ..base.paths import PLACE
+from ..fmi.component import Component
+from . import reference as references
+from .finding import Finding, ok, problem
 
 STEPS = 4  # of the default experiment, from the start and again after the state was taken
 NUDGE = 1e-4  # what each input grows by from step to step, in its own unit
 LIMIT = 600.0  # seconds an FMU may take: a first load compiles
 AGAIN = "build it again with `make fmus`"
-ROOT = Path(__file__).resolve().parents[2]
 
 
 class Subject:
@@ -143,8 +144,8 @@ def examine(path: Path) -> list[Finding]:
 
 def findings(path: Path, limit: float = LIMIT) -> list[Finding]:
     """All checks of the FMU at `path` in a process of its own, which may take `limit` seconds."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))}
-    command = [sys.executable, "-m", "master.hosts.selftest", str(path.absolute())]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [str(PLACE), os.environ.get("PYTHONPATH")]))}
+    command = [sys.executable, "-m", "aeroslosh.master.hosts.selftest", str(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment, timeout=limit)
     except subprocess.TimeoutExpired:

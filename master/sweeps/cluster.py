@@ -17,11 +17,12 @@ from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
 
-from master import atomic, fmu_cache
-from master.errors import AeroSloshError, ExitCode
-from master.record import provenance, source_hash
-from master.sweeps.jobs import Job, Probe, Product
-from master.sweeps.workers import Events, Worker, WorkerDied
+from ..base import files as base_files
+from ..base.errors import AeroSloshError, ExitCode
+from ..fmi import unpack
+from ..results.run_folder import provenance, source_hash
+from .jobs import Job, Probe, Product
+from .workers import Events, Worker, WorkerDied
 
 try:
     from distributed import Client, Future, WorkerPlugin
@@ -47,7 +48,7 @@ def versions() -> dict[str, str]:
 
 def stored(digest: str, suffix: str) -> Path:
     """Where a machine keeps a file of the sweep."""
-    return fmu_cache.cache_root().parent / "sweep_files" / f"{digest}{suffix}"
+    return unpack.cache_root().parent / "sweep_files" / f"{digest}{suffix}"
 
 
 class Files(WorkerPlugin):
@@ -61,9 +62,9 @@ class Files(WorkerPlugin):
         """Called by Dask."""
         for (digest, suffix), content in self.files.items():
             path = stored(digest, suffix)
-            if not path.is_file() or fmu_cache.sha256(path) != digest:
+            if not path.is_file() or unpack.sha256(path) != digest:
                 path.parent.mkdir(parents=True, exist_ok=True)
-                atomic.write(path, content)
+                base_files.write(path, content)
 
 
 class Crew:

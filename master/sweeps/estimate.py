@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from master.linear import CHECK, REST, STEP, SWEEP
-from master.sweeps import jobs
-from master.sweeps.jobs import Job, Probe
-from master.sweeps.plan import Plan
-from master.sweeps.progress import duration
+from ..linear.model import CHECK, REST, STEP, SWEEP
+from . import jobs
+from .jobs import Job, Probe
+from .plan import Plan
+from .progress import duration
 
 PROBES = 12  # rigs that are tried at most
 USUAL = 5  # marches at a Mach number of a boundary, as a rule

@@ -13,18 +13,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from master import boundary_case, flutter, fmu_cache, outcome, trust
-from master.case import Case
-from master.errors import AeroSloshError, ComponentError
-from master.flutter import March
-from master.record import provenance
-from master.rig import FlutterRig
-from master.similarity import scales
-from master.slosh import FMU
-from master.sweeps import point_file
-from master.sweeps.plan import mach_of, rig_key
-from master.sweeps.point_file import Record
-from master.verdict import Verdict
+from ..analysis.verdict import Verdict
+from ..base.errors import AeroSloshError, ComponentError
+from ..boundary import solve
+from ..case.case import Case
+from ..case.fuel_tank import FMU
+from ..case.scales import scales
+from ..flutter import march as flutter_march
+from ..flutter.march import March
+from ..flutter.setup import FlutterRig
+from ..fmi import unpack
+from ..results import point_file, summary, trust
+from ..results.point_file import Record
+from ..results.run_folder import provenance
+from .plan import mach_of, rig_key
 
 RIGS = 2  # open rigs a worker keeps
 PROBED = 12  # steps whose time a probe measures, after as many that warm up
@@ -169,7 +171,7 @@ def finished(record: Record, job: Job, marches: list[March]) -> Product:
 def check_files(job: Job) -> None:
     """Raises FilesChanged unless every file is what it was when the sweep began."""
     for path, digest in job.files.values():
-        if not path.is_file() or fmu_cache.sha256(path) != digest:
+        if not path.is_file() or unpack.sha256(path) != digest:
             what = "has changed since the sweep began" if path.is_file() else "is gone"
             remedy = "put back the file that the sweep began with and go on with --resume, or start a new sweep with --out"
             raise FilesChanged(f"{path.name} {what}", str(path), remedy)
@@ -189,7 +191,7 @@ def probe(job: Job, bench: Bench) -> Probe:
     try:
         rig = bench.rig(job)
         opened = clock.process_time()
-        flutter.march(rig, job.case.flutter.V_f, None, watch)
+        flutter_march.march(rig, job.case.flutter.V_f, None, watch)
     except _Enough:
         return Probe(opened - begin, (marks[1] - marks[0]) / PROBED)
     except AeroSloshError as error:
@@ -209,8 +211,8 @@ def steps(job: Job) -> int:
 def _point(job: Job, bench: Bench) -> Computed:
     """One march."""
     rig = bench.rig(job)
-    march = flutter.march(rig, job.case.flutter.V_f)
-    result = outcome.march_data(march, rig.steady_cpu) | {"airfoil_summary": rig.airfoil_summary or None}
+    march = flutter_march.march(rig, job.case.flutter.V_f)
+    result = summary.march_data(march, rig.steady_cpu) | {"airfoil_summary": rig.airfoil_summary or None}
     failure = march.failure
     cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
     return Computed(result, trust.verdict(march) is not Verdict.UNDETERMINED, [march], cause, trace)
@@ -218,9 +220,9 @@ def _point(job: Job, bench: Bench) -> Computed:
 
 def _boundary(job: Job, bench: Bench) -> Computed:
     """All Mach numbers of one boundary; its rigs are its own."""
-    points = boundary_case.solve(job.case, job.fmus, lambda text: None)
+    points = solve.solve(job.case, job.fmus, lambda text: None)
     model = job.case.slosh.model
-    result = {"slosh": model, "points": [{"slosh": model} | outcome.point_data(p) for p in points]}
+    result = {"slosh": model, "points": [{"slosh": model} | summary.point_data(p) for p in points]}
     failures = [p.failure for p in points if p.failure is not None and not p.converged]
     cause = "; ".join(dict.fromkeys(f.what for f in failures))
     trace = "\n".join(f"{f}\n{f.traceback}" for f in failures)

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from master.errors import AeroSloshError, ExitCode
-from master.sweeps.plan import Plan, Point
-from master.sweeps.point_file import Record
+from ..base.errors import AeroSloshError, ExitCode
+from ..results.point_file import Record
+from .plan import Plan, Point
 
 FORMAT = "1"
 SCHEMA = """

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from master import case as cases
-from master import settings
-from master.case import Case
-from master.errors import AeroSloshError
+from ..base import settings
+from ..base.errors import AeroSloshError
+from ..case import case as cases
+from ..case.case import Case
 
 MOST = 100_000  # values of a key, and points of a sweep
 RANGE = ["from", "to", "count", "spacing"]

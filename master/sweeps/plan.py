@@ -20,12 +20,14 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from master import airfoils, fmu_cache, settings, toml_text
-from master import case as cases
-from master.case import Case
-from master.errors import AeroSloshError
-from master.rig import find_fmus
-from master.sweeps.parameters import EXAMPLE, MOST, Parameter
+from ..base import settings, toml_text
+from ..base.errors import AeroSloshError
+from ..case import airfoils
+from ..case import case as cases
+from ..case.case import Case
+from ..flutter.setup import find_fmus
+from ..fmi import unpack
+from .parameters import EXAMPLE, MOST, Parameter
 
 COMMON = ("section", "flow", "aero", "flutter", "coupling", "slosh")
 READS = {"point": COMMON, "boundary": (*COMMON, "boundary")}  # the tables that decide what a point's result is
@@ -192,7 +194,7 @@ def _files(case: Case, fmu_folder: Path, digests: dict[Path, str]) -> dict[str, 
         files["airfoil"] = Path(case.flow.airfoil).resolve()
     for path in files.values():
         if path not in digests:
-            digests[path] = fmu_cache.sha256(path)
+            digests[path] = unpack.sha256(path)
     return {name: (path, digests[path]) for name, path in files.items()}
 
 

@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from master.sweeps.ledger import Row
+from .ledger import Row
 
 POINT = (
     "mach", "V_f", "slosh", "verdict", "growth_rate", "growth_rate_uncertainty", "frequency", "frequency_uncertainty",

@@ -23,14 +23,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from master import atomic
-from master.disk import FULL
-from master.errors import AeroSloshError, ExitCode
-from master.sweeps import jobs, point_file
-from master.sweeps.jobs import Job, Probe, Product
-from master.sweeps.ledger import Damaged, Ledger, move_aside
-from master.sweeps.plan import Plan
-from master.sweeps.workers import Events
+from ..base import files as base_files
+from ..base.disk import FULL
+from ..base.errors import AeroSloshError, ExitCode
+from ..results import point_file
+from . import jobs
+from .jobs import Job, Probe, Product
+from .ledger import Damaged, Ledger, move_aside
+from .plan import Plan
+from .workers import Events
 
 LOCK = "ledger.lock"
 TRIES = 2  # a point whose worker died is computed once more
@@ -108,8 +109,8 @@ class Store:
         path = folder / "ledger.sqlite"
         try:
             (folder / "points").mkdir(exist_ok=True)
-            atomic.remove_parts(folder)
-            atomic.remove_parts(folder / "points")
+            base_files.remove_parts(folder)
+            base_files.remove_parts(folder / "points")
             try:
                 return cls(folder, Ledger(path), say)
             except Damaged as damage:
@@ -182,7 +183,7 @@ class Store:
     def keep(self, product: Product) -> None:
         """Put a product onto the disk: its file, then its row. Raises OSError, AeroSloshError."""
         path = self.file(product.record.id)
-        atomic.write(path, product.netcdf)
+        base_files.write(path, product.netcdf)
         self.ledger.finish(product.record, path.name, hashlib.sha256(product.netcdf).hexdigest())
 
     def left(self, plan: Plan) -> list[Job]:
@@ -193,7 +194,7 @@ class Store:
     def write(self, name: str, content: bytes) -> None:
         """Another file of the folder. Raises AeroSloshError."""
         try:
-            atomic.write(self.folder / name, content)
+            base_files.write(self.folder / name, content)
         except OSError as error:
             raise _explained(error, self) from None
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
-from master.sweeps import jobs
-from master.sweeps.jobs import Bench, FilesChanged, Job, Probe, Product
+from . import jobs
+from .jobs import Bench, FilesChanged, Job, Probe, Product
 
 IDLE = 900.0  # seconds without work after which a worker ends: it may have been forgotten on a cluster
 

@@ -16,12 +16,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from multiprocessing import Pipe
 from multiprocessing.connection import wait
-from pathlib import Path
 
-import master
-from master.errors import AeroSloshError
-from master.sweeps.jobs import RIGS, Job, Probe, Product
-from master.sweeps.worker import Answer
+from ..base.errors import AeroSloshError
+from ..base.paths import PLACE
+from .jobs import RIGS, Job, Probe, Product
+from .worker import Answer
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 GROWN = 512 << 20  # bytes by which a worker's resident memory may grow
@@ -41,10 +40,9 @@ class Worker:
         self.keys: deque[str] = deque(maxlen=RIGS)
         self.pipe, theirs = Pipe()
         self._said = tempfile.TemporaryFile()  # noqa: SIM115
-        place = str(Path(master.__file__).resolve().parents[1])
-        path = os.pathsep.join([place, *filter(None, [os.environ.get("PYTHONPATH")])])
+        path = os.pathsep.join([str(PLACE), *filter(None, [os.environ.get("PYTHONPATH")])])
         self._process = subprocess.Popen(
-            [sys.executable, "-c", "from master.sweeps.worker import main; main()", str(theirs.fileno()), name],
+            [sys.executable, "-c", "from aeroslosh.master.sweeps.worker import main; main()", str(theirs.fileno()), name],
             stdin=subprocess.DEVNULL,
             stderr=self._said,
             pass_fds=[theirs.fileno()],

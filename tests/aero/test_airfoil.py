@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.aero.airfoil import AirfoilError, contour
+from aeroslosh.fmus.aero.airfoil import AirfoilError, contour
 
 
 def upper(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,7 +142,7 @@ def test_a_word_among_the_numbers_is_named_with_its_line(tmp_path: Path) -> None
         contour(str(tmp_path / "word.dat"))
 
 
-@pytest.mark.parametrize("name", ["66A010", "NACA 0000", "20012", "03012", "21112", "23000", "64A030", "2012x", "/nowhere/file.dat"])
+@pytest.mark.parametrize("name", ["66A010", "NACA 0000", "20012", "03012", "21112", "64A030", "2012x", "/nowhere/file.dat"])
 def test_unknown_names_are_refused(name: str) -> None:
     with pytest.raises(AirfoilError, match="Remedy"):
         contour(name)

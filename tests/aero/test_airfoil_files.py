@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from fmus.aero.airfoil import AirfoilError, contour, section
-from fmus.aero.conformal import circle_map
-from fmus.aero.control import Settings
-from fmus.aero.march import Flow
-from fmus.aero.mesh import o_mesh
+from aeroslosh.fmus.aero.airfoil import AirfoilError, contour, section
+from aeroslosh.fmus.aero.conformal import circle_map
+from aeroslosh.fmus.aero.control import Settings
+from aeroslosh.fmus.aero.march import Flow
+from aeroslosh.fmus.aero.mesh import o_mesh
 
 Sides = tuple[np.ndarray, np.ndarray]
 

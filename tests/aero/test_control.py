@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from fmus.aero.control import StepReport, together
-from fmus.aero.fmu import Aero
+from aeroslosh.fmus.aero.control import StepReport, together
+from aeroslosh.fmus.aero.fmu import Aero
 
 GOOD, FAIR, BAD = StepReport(5, 2e-3, True, 0), StepReport(7, 9e-3, True, 0), StepReport(25, 4e-2, False, 1)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.aero.bdf import bdf_weights, combine, turn
-from fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
-from fmus.aero.implicit import Blocks, Factors, Recipe
-from fmus.aero.jacobian import _face_blocks, assemble
-from fmus.aero.march import Flow
-from fmus.aero.mesh import Mesh, o_mesh
-from fmus.aero.wall import wall_state
+from aeroslosh.fmus.aero.bdf import bdf_weights, combine, turn
+from aeroslosh.fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
+from aeroslosh.fmus.aero.implicit import Blocks, Factors, Recipe
+from aeroslosh.fmus.aero.jacobian import _face_blocks, assemble
+from aeroslosh.fmus.aero.march import Flow
+from aeroslosh.fmus.aero.mesh import Mesh, o_mesh
+from aeroslosh.fmus.aero.wall import wall_state
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.aero.control import MarchError, Settings
-from fmus.aero.field import Motion
-from fmus.aero.march import Flow
-from fmus.aero.mesh import Mesh, o_mesh
+from aeroslosh.fmus.aero.control import MarchError, Settings
+from aeroslosh.fmus.aero.field import Motion
+from aeroslosh.fmus.aero.march import Flow
+from aeroslosh.fmus.aero.mesh import Mesh, o_mesh
 
 
 @pytest.fixture(scope="module")

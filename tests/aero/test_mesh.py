@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.aero.airfoil import contour
-from fmus.aero.conformal import circle_map
-from fmus.aero.mesh import MeshError, check, o_mesh
+from aeroslosh.fmus.aero.airfoil import contour
+from aeroslosh.fmus.aero.conformal import circle_map
+from aeroslosh.fmus.aero.mesh import MeshError, check, o_mesh
 
 
 def karman_trefftz(power: float, centre: complex, count: int = 801) -> tuple[np.ndarray, float, float]:

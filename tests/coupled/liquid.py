@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eig
 
-from master import slosh
-from master.component import Component
-from master.coupling import Scheme
-from master.system import System, wires
+from aeroslosh.master.case import fuel_tank
+from aeroslosh.master.cosim.scheme import Scheme
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.fmi.component import Component
 
 Fmu = Callable[[str | Path], Path]
 SECTION = {"mass": 230.9, "static_imbalance": 415.6, "inertia": 803.5}  # Isogai's ratios on a chord of 2 m
@@ -24,13 +24,13 @@ def march(
 ) -> dict[str, np.ndarray]:
     """Free motion from the section's initial values: time [s] and every Real output of both, (steps + 1,) each."""
     structure, liquid = Component(fmu("structure"), "structure"), Component(fmu("slosh_ems"), "slosh")
-    system = System([structure, liquid], wires(slosh.wiring(split)))
+    system = System([structure, liquid], wires(fuel_tank.wiring(split)))
     try:
         still = dict.fromkeys(("initial_h", "initial_alpha", "initial_h_dot", "initial_alpha_dot"), 0.0)
         liquid.set_all(tank)
         liquid.initialize()
-        carried = {name: liquid.get(name) for name in slosh.CARRIED} if split == "frozen" else {}
-        force, moment = (liquid.get(name) for name in slosh.LOADS[split])
+        carried = {name: liquid.get(name) for name in fuel_tank.CARRIED} if split == "frozen" else {}
+        force, moment = (liquid.get(name) for name in fuel_tank.LOADS[split])
         liquid.restart()
         liquid.set_all(tank)
         structure.set_all(still | dict(section) | carried | {"trim_lift": force, "trim_moment": moment})

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import root
 from scipy.special import hankel2
 
-from master.case import Case
-from master.similarity import scales
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.case.scales import scales
 
 Liquid = Callable[[float], np.ndarray]
 POINTS = 40

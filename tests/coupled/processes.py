@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-COMMAND = [sys.executable, "-m", "master.cli"]
+COMMAND = [sys.executable, "-m", "aeroslosh"]
 QUICK = ("--set", "flow.mach=0.3", "--set", "flutter.steps_per_cycle=72", "--set", "flutter.forced_cycles=1.0", "--no-pictures")
 
 

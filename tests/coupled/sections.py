@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from master import boundary_case, flutter
-from master.case import Case
-from master.linear import BAND as BAND_K
-from master.rig import FlutterRig
-from master.roots import Crossing
+from aeroslosh.master.analysis.crossings import Crossing
+from aeroslosh.master.boundary import solve
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig
+from aeroslosh.master.linear.model import BAND as BAND_K
 
 sys.path.insert(0, str(Path(__file__).parent))
 import theory
@@ -88,7 +89,7 @@ def point(fmus: dict[str, Path], seed: int) -> Point:
     case = draw(seed)
     V_f, mach = case.flutter.V_f, case.flow.mach
     with FlutterRig(case, fmus, mach) as rig:
-        march = flutter.march(rig, V_f)
+        march = flutter_march.march(rig, V_f)
     exact, oscillations = theory.spectrum(case, mach, V_f), theory.eigenvalues(case, mach, V_f)
     real = exact[np.abs(exact.imag) <= 1e-6].real
     static, dynamic = float(np.max(real, initial=-1.0)), float(np.max(oscillations.real, initial=-1.0))
@@ -114,7 +115,7 @@ def bounded(fmus: dict[str, Path], case: Case, seed: int = -1) -> Boundary:
     """All neutral V_f of `case`, beside those of theory within the reduced frequencies that the linear model knows."""
     mach, (low, high) = case.flow.mach, case.boundary.V_f_range
     case.boundary.mach = [mach]
-    [found] = boundary_case.solve(case, fmus, lambda text: None)
+    [found] = solve.solve(case, fmus, lambda text: None)
     exact = theory.crossings(case, mach, low, high)
 
     def same(c: Crossing, e: tuple[float, float, str]) -> bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.aero.airfoil import contour
+from aeroslosh.fmus.aero.airfoil import contour
 
 SMALL = ("aero.cells_around=64", "aero.cells_normal=16", "flutter.forced_cycles=1.0", "flutter.steps_per_cycle=72",
          "flutter.free_cycles=1.5", "output.fields=false")  # fmt: skip
@@ -43,7 +43,7 @@ def fmus(fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -
 
 def aeroslosh(folder: Path, fmus: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """Run the command in `folder`."""
-    command = [sys.executable, "-m", "master.cli", *words, "--fmus", str(fmus)]
+    command = [sys.executable, "-m", "aeroslosh", *words, "--fmus", str(fmus)]
     root = str(Path(__file__).parents[2])
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=os.environ | {"PYTHONPATH": root})
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from scipy.io import netcdf_file
 
-from master import vtk
+from aeroslosh.master.base import vtk
 
 CASE = Path(__file__).parents[2] / "cases" / "isogai_a.toml"
 
@@ -22,7 +22,7 @@ def aeroslosh(*arguments: str | Path, fmus: Path | None = None) -> subprocess.Co
     if fmus is not None:
         environment["AEROSLOSH_FMUS"] = str(fmus)
     return subprocess.run(
-        [sys.executable, "-m", "master.cli", *map(str, arguments)], capture_output=True, text=True, env=environment
+        [sys.executable, "-m", "aeroslosh", *map(str, arguments)], capture_output=True, text=True, env=environment
     )
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from master.acceleration import Acceleration, Aitken, Constant, QuasiNewton
-from master.component import Component
-from master.coupling import GaussSeidel, Jacobi, Scheme, StepReport
-from master.errors import AeroSloshError
-from master.implicit import Criteria, Implicit
-from master.system import System, wires
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.cosim.acceleration import Acceleration, Aitken, Constant, QuasiNewton
+from aeroslosh.master.cosim.implicit import Criteria, Implicit
+from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme, StepReport
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.fmi.component import Component
 
 M_A, M_B, K_A, K_B, K_LINK, C_LINK = 1.0, 2.0, 4.0, 3.0, 2.0, 0.1
 END = 4.0

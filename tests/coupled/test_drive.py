@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def drive(fmus: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "master.cli", "drive", str(fmus / "structure.fmu"), *arguments]
+    command = [sys.executable, "-m", "aeroslosh", "drive", str(fmus / "structure.fmu"), *arguments]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
 

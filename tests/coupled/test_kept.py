@@ -17,8 +17,12 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from processes import COMMAND, QUICK, started, until
 
-from master import boundary_plot, cli, confirm, interrupts, outcome, record
-from master.errors import AeroSloshError, ExitCode
+from aeroslosh.master import cli
+from aeroslosh.master.base import interrupts
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.boundary import strategy as boundary_strategy
+from aeroslosh.master.pictures import boundary as pictures_boundary
+from aeroslosh.master.results import run_folder, summary
 
 CASES = Path(__file__).parents[2] / "cases"
 MARCHED = (
@@ -136,15 +140,15 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, Exception], Non
     """Returns a function: let the strategy raise this at that Mach number, after its first march."""
 
     def fail(at: float, error: Exception) -> None:
-        whole = confirm.Confirm.__call__
+        whole = boundary_strategy.Confirm.__call__
 
-        def broken(self: confirm.Confirm, marcher: Any, mach: float, guess: float, slope: float | None) -> Any:
+        def broken(self: boundary_strategy.Confirm, marcher: Any, mach: float, guess: float, slope: float | None) -> Any:
             if mach != at:
                 return whole(self, marcher, mach, guess, slope)
             marcher(guess)
             raise error
 
-        monkeypatch.setattr(confirm.Confirm, "__call__", broken)
+        monkeypatch.setattr(boundary_strategy.Confirm, "__call__", broken)
 
     return fail
 
@@ -175,7 +179,7 @@ def test_a_point_that_cannot_be_told_is_an_outcome_and_a_picture_that_fails_hide
     flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A number that JSON has not at one Mach number; a picture that cannot be drawn."""
-    whole = outcome.point_data
+    whole = summary.point_data
 
     def spoilt(point: Any) -> dict[str, Any]:
         return whole(point) | ({"slope": float("nan")} if point.mach == 0.3 and point.marches else {})
@@ -183,8 +187,8 @@ def test_a_point_that_cannot_be_told_is_an_outcome_and_a_picture_that_fails_hide
     def draw(*_: Any) -> None:
         raise ZeroDivisionError("the picture")
 
-    monkeypatch.setattr(outcome, "point_data", spoilt)
-    monkeypatch.setattr(boundary_plot, "draw", draw)
+    monkeypatch.setattr(summary, "point_data", spoilt)
+    monkeypatch.setattr(pictures_boundary, "draw", draw)
     out = tmp_path / "b"
     marched = [word for word in MARCHED if word != "--no-pictures"]
     with pytest.raises(ZeroDivisionError):
@@ -202,14 +206,14 @@ def test_a_full_disk_keeps_the_mach_numbers_before(
     flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The disk is full when the second Mach number's result is written."""
-    write, out = record.atomic.write, tmp_path / "b"
+    write, out = run_folder.atomic.write, tmp_path / "b"
 
     def full(path: Path, data: bytes) -> None:
         if path.name == "result.json" and path.exists():
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
         write(path, data)
 
-    monkeypatch.setattr(record.atomic, "write", full)
+    monkeypatch.setattr(run_folder.atomic, "write", full)
     with pytest.raises(AeroSloshError) as caught:
         cli.run(words("boundary", out, flutter_fmus, *MARCHED, "--mach", "0.3", "0.4", "0.5", "--quiet"))
     assert caught.value.code == ExitCode.INCOMPLETE and "The disk is full" in str(caught.value)
@@ -264,8 +268,8 @@ def test_two_runs_of_one_name_keep_both(tmp_path: Path, monkeypatch: pytest.Monk
             (aim / "case.toml").write_text(other)
         rename(source, aim)
 
-    monkeypatch.setattr(record.os, "rename", late)
-    with record.RunFolder(target) as mine:
+    monkeypatch.setattr(run_folder.os, "rename", late)
+    with run_folder.RunFolder(target) as mine:
         mine.write_settings("a")
     texts = {path.parent.name: path.read_text() for path in tmp_path.glob("*/case.toml")}
     assert texts == {"run": "a", "run.001": "b", "run.002": "c"} and not interrupts.UNFINISHED

@@ -12,11 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from master import confirm, flutter, linear
-from master.boundary import BoundaryPoint
-from master.case import Case
-from master.errors import AeroSloshError
-from master.rig import FlutterRig, find_fmus
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.boundary import strategy as boundary_strategy
+from aeroslosh.master.boundary.search import BoundaryPoint
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.linear import model as linear_model
 
 sys.path.insert(0, str(Path(__file__).parent))
 import theory
@@ -26,26 +28,26 @@ CASE = Path(__file__).parents[2] / "cases" / "isogai_a.toml"
 
 
 @pytest.fixture(scope="module")
-def model(flutter_fmus: Path) -> linear.LinearModel:
+def model(flutter_fmus: Path) -> linear_model.LinearModel:
     with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
-        return linear.identify(rig, 1.0)
+        return linear_model.identify(rig, 1.0)
 
 
-def test_it_foretells_a_motion_it_was_not_fitted_to(model: linear.LinearModel) -> None:
+def test_it_foretells_a_motion_it_was_not_fitted_to(model: linear_model.LinearModel) -> None:
     assert model.fit_error.max() < 5e-4 and model.check_error.max() < 5e-4
     assert model.note == ""
 
 
 @pytest.mark.parametrize("V_f", [0.6, 1.0, 1.5, 2.4, 2.8])
-def test_eigenvalues(model: linear.LinearModel, V_f: float) -> None:
+def test_eigenvalues(model: linear_model.LinearModel, V_f: float) -> None:
     exact = theory.eigenvalues(model.case, MACH, V_f)
     ours = model.eigenvalues(V_f)
     for value in exact[:2]:
-        if value.imag / (V_f * np.sqrt(60.0)) < linear.BAND:  # what was swept
+        if value.imag / (V_f * np.sqrt(60.0)) < linear_model.BAND:  # what was swept
             assert np.min(np.abs(ours - value)) < 1e-3 * abs(value)
 
 
-def test_neutral_V_f(model: linear.LinearModel) -> None:
+def test_neutral_V_f(model: linear_model.LinearModel) -> None:
     expected = theory.neutral(model.case, MACH, 1.5, 3.0)
     [found] = model.crossings(0.5, 3.0)
     assert found.V_f == pytest.approx(expected, rel=1e-3)
@@ -56,7 +58,7 @@ def test_neutral_V_f(model: linear.LinearModel) -> None:
     assert found.uncertainty < 2e-3 * expected
 
 
-def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: linear.LinearModel) -> None:
+def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: linear_model.LinearModel) -> None:
     gain = model.aero.response(np.array([0.0]))[0]
     assert gain[:, 0] == pytest.approx(gain[:, 1], rel=1e-3)
     assert gain[0].real == pytest.approx(2.0 * np.pi, rel=0.01)
@@ -66,12 +68,12 @@ def test_a_face_without_motion_inputs_is_refused(flutter_fmus: Path) -> None:
     with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
         del rig.aero.input_index["h_ddot"]
         with pytest.raises(AeroSloshError, match="no Real input h_ddot"):
-            linear.identify(rig, 1.0)
+            linear_model.identify(rig, 1.0)
 
 
 def run(fmus: Path, out: Path, *arguments: str) -> tuple[int, dict]:
     done = subprocess.run(
-        [sys.executable, "-m", "master.cli", "boundary", str(CASE), *arguments, "--json", "--out", str(out)],
+        [sys.executable, "-m", "aeroslosh", "boundary", str(CASE), *arguments, "--json", "--out", str(out)],
         capture_output=True,
         text=True,
         env=os.environ | {"AEROSLOSH_FMUS": str(fmus)},
@@ -80,7 +82,7 @@ def run(fmus: Path, out: Path, *arguments: str) -> tuple[int, dict]:
     return done.returncode, json.loads(done.stdout)
 
 
-def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear.LinearModel) -> None:
+def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear_model.LinearModel) -> None:
     code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "0.35", "--method", "linear")
     assert code == 0
     for point in data["points"]:
@@ -93,7 +95,7 @@ def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear.Linear
     assert (tmp_path / "run" / "boundary.png").is_file()
 
 
-def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model: linear.LinearModel) -> None:
+def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model: linear_model.LinearModel) -> None:
     """Three marches confirm the linear value; half the step, half the amplitude and a coarser mesh go into the error bar."""
     settings = ("--set", "flutter.steps_per_cycle=300", "--set", "coupling.scheme=implicit")
     code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "both", "--uncertainty", *settings)
@@ -122,19 +124,19 @@ def test_an_answer_that_is_no_number_leaves_the_marches(flutter_fmus: Path, tmp_
 
 
 def confirmed(
-    fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch, high: float = 3.0
+    fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch, high: float = 3.0
 ) -> tuple[BoundaryPoint, list[str]]:
     """What marches of the Isogai section make of `model`, whatever section it is of."""
     case, said = Case(), []
     case.boundary.V_f_range = [0.5, high]
-    monkeypatch.setattr(linear, "identify", lambda *_: model)
+    monkeypatch.setattr(linear_model, "identify", lambda *_: model)
     with FlutterRig(case, find_fmus(fmus), MACH) as rig:
-        strategy = confirm.Confirm(case, lambda mach: rig, lambda case, mach: rig, said.append, marching=True)
-        return strategy(lambda V_f: flutter.march(rig, V_f), MACH, 1.0, 0.05), said
+        strategy = boundary_strategy.Confirm(case, lambda mach: rig, lambda case, mach: rig, said.append, marching=True)
+        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 1.0, 0.05), said
 
 
 def test_a_prediction_that_is_ten_percent_off_is_put_right(
-    flutter_fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     section = replace(model.case.section, x_alpha=1.75)
     wrong = replace(model, case=replace(model.case, section=section))
@@ -147,7 +149,7 @@ def test_a_prediction_that_is_ten_percent_off_is_put_right(
 
 
 def test_a_prediction_that_marches_contradict_is_recorded(
-    flutter_fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A model whose aerodynamics are three times too strong foretells an onset far below the true one."""
     strong = replace(
@@ -160,7 +162,7 @@ def test_a_prediction_that_marches_contradict_is_recorded(
 
 
 def test_no_crossing_foretold_is_checked_by_marches(
-    flutter_fmus: Path, model: linear.LinearModel, monkeypatch: pytest.MonkeyPatch
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     point, said = confirmed(flutter_fmus, model, monkeypatch, high=2.0)
     assert point.converged and not point.crossings and 3 <= len(point.marches) <= 5

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from master.component import Component
-from master.errors import ComponentError
+from aeroslosh.master.base.errors import ComponentError
+from aeroslosh.master.fmi.component import Component
 
 
 def test_each_instance_keeps_its_own_messages(doubles: Path) -> None:

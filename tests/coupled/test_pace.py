@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from master import scheme as schemes
-from master.case import Coupling
-from master.component import Component
-from master.coupling import GaussSeidel, Jacobi, Scheme
-from master.errors import AeroSloshError, ComponentError
-from master.implicit import Criteria, Implicit
-from master.pace import Pace, Stride
-from master.system import System, wires
+from aeroslosh.master.base.errors import AeroSloshError, ComponentError
+from aeroslosh.master.case.case import Coupling
+from aeroslosh.master.cosim import assemble as schemes
+from aeroslosh.master.cosim.implicit import Criteria, Implicit
+from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme
+from aeroslosh.master.cosim.substeps import Pace, Stride
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.fmi.component import Component
 
 PARTS: dict[str, dict[str, float]] = {
     "a": {"mass": 1.0, "stiffness": 4.0, "damping": 0.2, "initial_x": 1.0},

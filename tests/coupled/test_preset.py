@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from master import case as cases
-from master import flutter
-from master.boundary import search
-from master.case import Case
-from master.rig import FlutterRig, find_fmus
+from aeroslosh.master.boundary.search import search
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter import march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 
 sys.path.insert(0, str(Path(__file__).parent))
 import liquid
@@ -97,7 +97,7 @@ def test_neutral_V_f_marched(plate_fmus: Path, plates: dict[float, Path], mach: 
     settings.flow.airfoil = str(plates[mach])
     settings.flutter.steps_per_cycle = 288
     with FlutterRig(settings, find_fmus(plate_fmus, model), mach) as rig:
-        point = search(lambda V_f: flutter.march(rig, V_f), mach, DRY[mach], 0.5, 3.0, 0.003, 12)
+        point = search(lambda V_f: march.march(rig, V_f), mach, DRY[mach], 0.5, 3.0, 0.003, 12)
     print(f"\nMach {mach}, {model}: V_f {point.outcome}", end="")
     assert point.converged and point.marches[0].slosh == model
     [found] = point.crossings

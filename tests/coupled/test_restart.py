@@ -17,9 +17,11 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from master import checkpoint, cli, vtk
-from master.component import Component
-from master.errors import AeroSloshError, ComponentError, ExitCode
+from aeroslosh.master import cli
+from aeroslosh.master.base import vtk
+from aeroslosh.master.base.errors import AeroSloshError, ComponentError, ExitCode
+from aeroslosh.master.cosim import checkpoint
+from aeroslosh.master.fmi.component import Component
 
 CASE = Path(__file__).parents[2] / "cases" / "paper_s.toml"
 SYSTEM = """
@@ -145,7 +147,7 @@ def test_killed_in_the_middle(fmus: Path, run: Call, tmp_path: Path) -> None:
     (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
     words = ["run", str(tmp_path / "system.toml"), "--fmus", str(fmus), "--out", str(tmp_path / "killed"), "--quiet"]
     words += [*sets(*settings, "run.end=100"), "--checkpoint", str(file), "--every", "50"]
-    line = [sys.executable, "-m", "master.cli", *words]
+    line = [sys.executable, "-m", "aeroslosh", *words]
     process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while not file.exists() and process.poll() is None:
         time.sleep(0.01)

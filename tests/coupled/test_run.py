@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from master import assembly as assemblies
-from master import cli
-from master.component import Component
-from master.coupling import GaussSeidel
-from master.errors import AeroSloshError, ExitCode
-from master.system import System, wires
+from aeroslosh.master import cli
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.cosim import system_file as assemblies
+from aeroslosh.master.cosim.scheme import GaussSeidel
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.fmi.component import Component
 
 EXAMPLE = Path(__file__).parents[2] / "cases" / "tank_on_springs.toml"
 WIRES = [
@@ -322,7 +322,7 @@ def test_json_is_pure_and_the_command_ends_with_its_code(doubles: Path, tmp_path
     environment = {**os.environ, "AEROSLOSH_FMUS": str(doubles)}
 
     def command(*words: str) -> subprocess.CompletedProcess[str]:
-        line = [sys.executable, "-m", "master.cli", "run", *words, "--out", str(tmp_path / "out")]
+        line = [sys.executable, "-m", "aeroslosh", "run", *words, "--out", str(tmp_path / "out")]
         return subprocess.run(line, capture_output=True, text=True, env=environment)
 
     done = command(str(tmp_path / "two.toml"), "--json")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from master.rig import find_fmus
+from aeroslosh.master.flutter.setup import find_fmus
 
 sys.path.insert(0, str(Path(__file__).parent))
 import sections

@@ -9,17 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.kit.interfaces import TANK
-from master import case as cases
-from master import flutter, linear, slosh
-from master.case import Case
-from master.component import Component
-from master.coupling import GaussSeidel, Jacobi, Scheme
-from master.errors import AeroSloshError
-from master.implicit import Criteria, Implicit
-from master.poles import Poles, refine
-from master.rig import FlutterRig, find_fmus
-from master.similarity import scales
+from aeroslosh.fmus.kit.interfaces import TANK
+from aeroslosh.master.analysis.exponentials import Poles, refine
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.case import fuel_tank
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.case.scales import scales
+from aeroslosh.master.cosim.implicit import Criteria, Implicit
+from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme
+from aeroslosh.master.flutter import march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.fmi.component import Component
+from aeroslosh.master.linear import model as linear_model
 
 sys.path.insert(0, str(Path(__file__).parent))
 import liquid
@@ -159,13 +161,13 @@ def test_preset_S_is_the_one_of_the_page() -> None:
     assert with_fuel / s.mass == pytest.approx(0.1299, rel=1e-3)
 
 
-def run(fmus: Path, model: str, **slosh_keys: object) -> flutter.March:
+def run(fmus: Path, model: str, **slosh_keys: object) -> march.March:
     case = cases.load(CASE, [f"slosh.{name}={value}" for name, value in slosh_keys.items()])
     case.slosh.model, case.flow.airfoil, case.flow.mach = model, "NACA 0012", 0.3
     if slosh_keys.get("split") == "none":
         case.coupling.scheme, case.coupling.tolerance = "implicit", 1e-8
     with FlutterRig(case, find_fmus(fmus, model), 0.3) as rig:
-        return flutter.march(rig, 1.5)
+        return march.march(rig, 1.5)
 
 
 def test_split_and_whole_load_march_alike(flutter_fmus: Path) -> None:
@@ -193,7 +195,7 @@ def test_a_linear_model_foretells_the_loads_of_the_flow(flutter_fmus: Path, fmu:
         words += [f"slosh.predictor={predictor}", "flutter.forced_amplitude_deg=0.05", "flutter.free_cycles=3"]
         case = cases.load(CASE, [*words, "flow.mach=0.3", "flow.airfoil=NACA 0012", "flutter.steps_per_cycle=120"])
         with FlutterRig(case, find_fmus(tmp_path, "vof", "ems"), 0.3) as rig:
-            marches[split, predictor] = flutter.march(rig, 1.5)
+            marches[split, predictor] = march.march(rig, 1.5)
     assert marches["none", "none"].failure is not None
     foretold, carried = marches["none", "ems"], marches["frozen", "none"]
     assert foretold.failure is None and carried.fit is not None and foretold.fit is not None
@@ -206,8 +208,8 @@ def test_the_linear_model_carries_the_liquid_frozen(flutter_fmus: Path) -> None:
     case = cases.load(CASE)
     case.flow.airfoil = "NACA 0012"
     with FlutterRig(case, find_fmus(flutter_fmus, "ems"), 0.3) as rig:
-        model = linear.identify(rig, 1.0)
-        fit = flutter.march(rig, 1.5).fit
+        model = linear_model.identify(rig, 1.0)
+        fit = march.march(rig, 1.5).fit
     assert model.liquid is not None and model.liquid.mass == pytest.approx(30.0) and fit is not None
     assert np.min(np.abs(model.eigenvalues(1.5) - complex(fit.growth_rate, fit.frequency))) < 2e-3
 
@@ -219,13 +221,13 @@ def test_what_is_missing_is_said(flutter_fmus: Path, doubles: Path) -> None:
         find_fmus(flutter_fmus, "vof")
     case = cases.load(CASE)
     with pytest.raises(AeroSloshError, match="no Real output liquid_mass"):
-        slosh.Tank(case.slosh, {"slosh_ems": doubles / "link.fmu"})
+        fuel_tank.Tank(case.slosh, {"slosh_ems": doubles / "link.fmu"})
 
 
 def test_settings_reach_the_models_that_have_them(flutter_fmus: Path) -> None:
     case = cases.load(CASE, ["slosh.modes=5", "slosh.cells_x=64"])
     component = Component(flutter_fmus / "slosh_ems.fmu", "slosh")
-    found = slosh.parameters(case.slosh, component.variables)
+    found = fuel_tank.parameters(case.slosh, component.variables)
     component.close()
     assert found["modes"] == 5 and found["tank_x"] == 1.8
     assert not {"cells_x", "model", "split", "parametric", "surface_tension"} & set(found)

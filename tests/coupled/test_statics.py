@@ -9,11 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from master import apparent_mass, boundary_case, flutter, outcome, vg
-from master.case import Case
-from master.errors import AeroSloshError
-from master.rig import FlutterRig, find_fmus
-from master.verdict import Verdict
+from aeroslosh.master.analysis.verdict import Verdict
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.boundary import modes as boundary_modes
+from aeroslosh.master.boundary import solve
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter import apparent_mass
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.results import summary
 
 sys.path.insert(0, str(Path(__file__).parent))
 import sections
@@ -64,14 +68,14 @@ def test_point_about_divergence(fmus: dict[str, Path], factor: float, verdict: V
     case = sections.named(*DIVERGING)
     V_f = factor * theory.divergence(case)
     with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter.march(rig, V_f)
+        march = flutter_march.march(rig, V_f)
     assert march.verdict is verdict, march.reason
-    data = outcome.march_data(march)
+    data = summary.march_data(march)
     if verdict is Verdict.DIVERGENCE:
         exact = theory.spectrum(case, 0.3, V_f)[0]
         assert exact.imag == 0.0 and data["growth_rate"] == pytest.approx(exact.real, rel=0.02)
         assert data["frequency"] == 0.0 and data["damping_ratio"] is None
-        assert "0 (static)" in outcome.march_summary(data)
+        assert "0 (static)" in summary.march_summary(data)
     assert data["static_stiffness"] == pytest.approx(1.0 - factor**2, abs=1e-9)
 
 
@@ -79,22 +83,22 @@ def test_point_about_divergence(fmus: dict[str, Path], factor: float, verdict: V
 def test_boundary_names_divergence_whatever_the_method(fmus: dict[str, Path], method: str) -> None:
     case = sections.named(*DIVERGING)
     case.boundary.mach, case.boundary.method, case.boundary.V_f_range = [0.3], method, [0.2, 0.9]
-    [point] = boundary_case.solve(case, fmus, lambda text: None)
+    [point] = solve.solve(case, fmus, lambda text: None)
     static = [c for c in point.crossings if c.kind == "divergence"]
     assert len(static) == 1 and static[0].V_f == pytest.approx(theory.divergence(case), rel=5e-3)
     assert static[0].frequency == 0.0 and "divergence at V_f" in point.outcome
     assert point.divergence == pytest.approx(theory.divergence(case), rel=1e-6)
-    data = outcome.point_data(point)
+    data = summary.point_data(point)
     assert data["kind"] == "divergence" and data["static_divergence_V_f"] == pytest.approx(0.6455, rel=1e-4)
-    assert "statics: divergence at V_f = 0.645" in outcome.boundary_summary([data | {"slosh": "none"}])
+    assert "statics: divergence at V_f = 0.645" in summary.boundary_summary([data | {"slosh": "none"}])
 
 
 def test_vg_table_has_every_mode_and_the_marches(fmus: dict[str, Path], tmp_path: Path) -> None:
     case = sections.named(0.35, 0.25, 0.75, 1.0, 75.0)
     case.boundary.mach = [0.3]
-    [point] = boundary_case.solve(case, fmus, lambda text: None)
+    [point] = solve.solve(case, fmus, lambda text: None)
     assert point.linear is not None
-    vg.write(point, 0.1, 1.0, tmp_path / "modes.csv")
+    boundary_modes.write(point, 0.1, 1.0, tmp_path / "modes.csv")
     with (tmp_path / "modes.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     for V_f in (0.2, 0.4, 0.6):
@@ -105,7 +109,7 @@ def test_vg_table_has_every_mode_and_the_marches(fmus: dict[str, Path], tmp_path
     marched = [r for r in rows if r["source"] == "march"]
     assert len(marched) >= 2 * len(point.marches)
     assert all(float(r["damping"]) == pytest.approx(2 * float(r["growth_rate"]) / float(r["frequency"])) for r in marched)
-    assert len(vg.as_data(point.linear, 0.1, 1.0)) >= 2
+    assert len(boundary_modes.as_data(point.linear, 0.1, 1.0)) >= 2
 
 
 def test_a_march_goes_on_until_its_verdict_is_settled_and_no_further(fmus: dict[str, Path]) -> None:
@@ -113,11 +117,11 @@ def test_a_march_goes_on_until_its_verdict_is_settled_and_no_further(fmus: dict[
     case = sections.named(0.35, 0.1, 0.4, 0.1, 60.0)
     case.flutter.free_cycles = 3.0
     with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter.march(rig, 0.3)
+        march = flutter_march.march(rig, 0.3)
         case.flutter.max_free_cycles = 4.0
-        short = flutter.march(rig, 0.3)
+        short = flutter_march.march(rig, 0.3)
     cycles = (march.tau.size - 1 - march.release) / march.scales.steps_per_cycle
-    assert 1.25 / flutter.slower_frequency(case) <= cycles <= 40.0 and march.settled
+    assert 1.25 / flutter_march.slower_frequency(case) <= cycles <= 40.0 and march.settled
     assert march.verdict is Verdict.DAMPED
     assert short.verdict is Verdict.UNDETERMINED and not short.settled and "flutter.max_free_cycles" in short.remedy
     assert (short.history["alpha"] == march.history["alpha"][: short.tau.size]).all()  # going on changes nothing of what was
@@ -127,13 +131,13 @@ def test_apparent_mass_couples_implicitly_unless_the_case_chooses(fmus: dict[str
     case = sections.named(0.32, -0.19, 0.11, 1.79, 5.0)
     assert apparent_mass.ratio(case, 0.3) > apparent_mass.STABLE
     with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter.march(rig, 0.15)
+        march = flutter_march.march(rig, 0.15)
     assert march.verdict is Verdict.DAMPED and "coupled implicitly" in march.note
     exact = theory.eigenvalues(case, 0.3, 0.15)[0]
     assert march.fit is not None and march.fit.growth_rate == pytest.approx(exact.real, abs=2e-3)
     case.given.add("coupling.scheme")
     with FlutterRig(case, fmus, 0.3) as rig, pytest.raises(AeroSloshError, match="diverges"):
-        flutter.march(rig, 0.15)
+        flutter_march.march(rig, 0.15)
 
 
 def test_ordinary_sections_keep_their_scheme() -> None:

@@ -23,9 +23,9 @@ from scipy.io import netcdf_file
 sys.path.insert(0, str(Path(__file__).parent))
 from processes import COMMAND, QUICK, started, until
 
-from master import cli
-from master.errors import AeroSloshError
-from master.sweeps import point_file
+from aeroslosh.master import cli
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.results import point_file
 
 CASES = Path(__file__).parents[2] / "cases"
 LONG = ("--set", "flutter.free_cycles=20.0")  # a point takes long enough to be killed in
@@ -429,7 +429,7 @@ def test_a_cluster_loses_a_worker_and_computes_the_same_bits(local: Path, real_f
 
 def test_no_scheduler_is_a_clear_message(flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    from master.sweeps import cluster
+    from aeroslosh.master.sweeps import cluster
 
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(cluster.AeroSloshError) as caught:
@@ -439,7 +439,7 @@ def test_no_scheduler_is_a_clear_message(flutter_fmus: Path, tmp_path: Path, mon
 
 def test_another_version_on_a_worker_is_refused() -> None:
     pytest.importorskip("distributed")
-    from master.sweeps import cluster
+    from aeroslosh.master.sweeps import cluster
 
     what, content = cluster.task(None, cluster.versions() | {"numpy": "1.0"}, 1)  # type: ignore[arg-type]
     assert what == "refused" and "numpy" in content[0] and "(master: 1.0)" in content[0] and content[2]

@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from master import fmu_cache, rig
-from master.case import Case
-from master.component import Component
-from master.errors import AeroSloshError, ComponentError
-from master.rig import FlutterRig, find_fmus
-from master.system import System, wires
+from aeroslosh.master.base.errors import AeroSloshError, ComponentError
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.cosim.system import System, wires
+from aeroslosh.master.flutter import setup
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.fmi import unpack
+from aeroslosh.master.fmi.component import Component
 
 
 @pytest.fixture
@@ -94,21 +95,21 @@ def test_files_that_are_no_fmu(tmp_path: Path) -> None:
 def test_unzipped_once_to_a_plain_folder(doubles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A cache path with a space or é would end the process inside pythonfmu: another place is taken."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "plain"))
-    first, digest = fmu_cache.unzip(doubles / "link.fmu")
+    first, digest = unpack.unzip(doubles / "link.fmu")
     stamp = (first / "modelDescription.xml").stat().st_mtime_ns
-    again, same = fmu_cache.unzip(doubles / "link.fmu")
+    again, same = unpack.unzip(doubles / "link.fmu")
     assert first == again and digest == same and str(first).startswith(str(tmp_path / "plain"))
     assert (first / "modelDescription.xml").stat().st_mtime_ns == stamp
     assert not [p for p in first.parent.iterdir() if p.name.startswith(".")]
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "é #%20"))
-    elsewhere, _ = fmu_cache.unzip(doubles / "link.fmu")
+    elsewhere, _ = unpack.unzip(doubles / "link.fmu")
     assert str(elsewhere).isascii() and "#" not in str(elsewhere)
 
 
 def test_a_damaged_copy_heals(doubles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever of an unzipped FMU is changed, cut short or gone; Python's compiled files too, which no archive holds."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    folder, _ = fmu_cache.unzip(doubles / "link.fmu")
+    folder, _ = unpack.unzip(doubles / "link.fmu")
     whole = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     script = next(path for path in whole if path.suffix == ".py")
     binary = next(path for path in whole if path.suffix == ".so")
@@ -122,19 +123,19 @@ def test_a_damaged_copy_heals(doubles: Path, tmp_path: Path, monkeypatch: pytest
             (folder / name).unlink()
             if damage is not None:
                 (folder / name).write_bytes(damage)
-            assert fmu_cache.unzip(doubles / "link.fmu")[0] == folder
+            assert unpack.unzip(doubles / "link.fmu")[0] == folder
             assert {path: (folder / path).read_bytes() for path in whole} == whole
             assert not compiled.exists() and not list(folder.parent.glob(".*"))
     compiled.parent.mkdir(exist_ok=True)
     compiled.write_bytes(b"0" * 20)
-    fmu_cache.unzip(doubles / "link.fmu")
+    unpack.unzip(doubles / "link.fmu")
     assert not compiled.exists()
     broken = tmp_path / "broken.fmu"
     content = bytearray((doubles / "link.fmu").read_bytes())
     content[len(content) // 3] ^= 0xFF
     broken.write_bytes(content)
     with pytest.raises(AeroSloshError, match="damaged"):
-        fmu_cache.unzip(broken)
+        unpack.unzip(broken)
 
 
 @pytest.mark.parametrize("cause", ["wires", "coupling", "surrogate", "steady"])
@@ -144,7 +145,7 @@ def test_a_rig_that_cannot_be_assembled_leaves_no_instance(
     case, fmus = Case(), find_fmus(flutter_fmus, "ems")
     case.slosh.model, case.slosh.predictor = "ems", "none"
     if cause == "wires":
-        monkeypatch.setattr(rig, "WIRES", rig.WIRES + "structure.h -> aero.nothing\n")
+        monkeypatch.setattr(setup, "WIRES", setup.WIRES + "structure.h -> aero.nothing\n")
     elif cause == "coupling":
         case.coupling.substeps = {"nobody": 2}
     elif cause == "surrogate":

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from fmus.slosh_rbf.feedback_tank import read
+from aeroslosh.fmus.slosh_rbf.feedback_tank import read
 
 ROOT = Path(__file__).resolve().parents[2]
 CASE = ROOT / "cases" / "slosh_rbf.toml"
 
 
 def train(case: Path, fmus: Path, *words: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "master.cli", "train", str(case), "--fmus", str(fmus), *map(str, words)]
+    command = [sys.executable, "-m", "aeroslosh", "train", str(case), "--fmus", str(fmus), *map(str, words)]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ})
 
 

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from master import flutter, outcome
-from master.boundary import BoundaryPoint, sample, search
-from master.case import Case
-from master.confirm import Confirm
-from master.errors import AeroSloshError
-from master.rig import FlutterRig, find_fmus
-from master.roots import Crossing
-from master.uncertainty import Spread
+from aeroslosh.master.analysis.crossings import Crossing
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.boundary.search import BoundaryPoint, sample, search
+from aeroslosh.master.boundary.strategy import Confirm
+from aeroslosh.master.boundary.uncertainty import Spread
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.results import summary as results_summary
 
 sys.path.insert(0, str(Path(__file__).parent))
 import theory
@@ -36,7 +37,7 @@ def searched(fmus: Path, case: Case) -> tuple[BoundaryPoint, list[str]]:
     found, said = find_fmus(fmus), []
     with FlutterRig(case, found, MACH) as rig:
         strategy = Confirm(case, lambda mach: rig, lambda of, mach: FlutterRig(of, found, mach), said.append, marching=True)
-        return strategy(lambda V_f: flutter.march(rig, V_f), MACH, 2.0, None), said
+        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.0, None), said
 
 
 def test_the_step_s_part_is_the_step_s_error(flutter_fmus: Path) -> None:
@@ -64,14 +65,14 @@ def test_the_step_s_part_is_of_second_order(flutter_fmus: Path) -> None:
 def test_three_meshes_and_the_number_of_marches_are_told(flutter_fmus: Path) -> None:
     """Two marches for step and amplitude, one on each coarser mesh; all in JSON and summary."""
     point, _ = searched(flutter_fmus, case_of(100, richardson=True))
-    data = outcome.point_data(point)
+    data = results_summary.point_data(point)
     [crossing] = data["crossings"]
     assert crossing["richardson"]["cells"] == ((168, 48), (112, 32), (75, 21))
     assert crossing["richardson"]["values"][0] == pytest.approx(crossing["V_f"])
     assert crossing["richardson"]["gci"] < 1e-8 and crossing["tolerance_met"]
     assert data["cost"]["marches"] == len(point.marches) and data["cost"]["uncertainty_marches"] == 4
     assert f"({len(point.marches)} marches)" in data["outcome"]
-    summary = outcome.boundary_summary([data])
+    summary = results_summary.boundary_summary([data])
     assert "error bar of" in summary and "step " in summary and "112 x 32" in summary
 
 
@@ -82,7 +83,7 @@ def test_a_growth_rate_that_does_not_change_tells_no_part(flutter_fmus: Path, sl
     crossing = Crossing(2.3, 2.5, "onset", slope, True, {"fit": 1e-3}, met=True)
     with FlutterRig(case_of(100), find_fmus(flutter_fmus), MACH) as rig:
         spread = Spread(case_of(100), MACH, rig, lambda of, mach: rig, sample, said.append)
-        wide = spread.widened(crossing, [flutter.march(rig, 2.3)])
+        wide = spread.widened(crossing, [flutter_march.march(rig, 2.3)])
         alone = spread.widened(crossing, [])
     assert wide.missing == alone.missing == ("step", "amplitude", "mesh") and wide.parts == {"fit": 1e-3}
     assert not spread.marches and "hardly changes with V_f" in said[0]
@@ -96,7 +97,7 @@ def test_a_part_that_cannot_be_had_is_named(flutter_fmus: Path) -> None:
         raise AeroSloshError("The steady flow did not converge")
 
     with FlutterRig(case, found, MACH) as rig:
-        point = search(lambda V_f: flutter.march(rig, V_f), MACH, 2.3, 1.0, 3.0, 0.005, 6)
+        point = search(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.3, 1.0, 3.0, 0.005, 6)
         said: list[str] = []
         [crossing] = point.crossings
         wide = Spread(case, MACH, rig, no_rig, sample, said.append).widened(crossing, point.marches)

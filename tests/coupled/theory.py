@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from master.case import Case
-from master.similarity import scales
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.case.scales import scales
 
 A, B = np.array([0.165, 0.335]), np.array([0.0455, 0.3])
 

@@ -18,10 +18,9 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-import fmus
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import lid_inertia, modes
-from fmus.tank.potential import pitch_force, pitch_inertia, surge_mass
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import lid_inertia, modes
+from aeroslosh.fmus.tank.potential import pitch_force, pitch_inertia, surge_mass
 
 G = 9.81
 PAPER = Tank(length=0.5, height=0.15)
@@ -31,7 +30,7 @@ TANKS = {
     "shallow": Tank(length=1.0, height=0.1),
     "tall": Tank(length=0.3, height=0.72),
 }
-PAGE = Path(fmus.__file__).resolve().parents[1] / "docs" / "ems.md"
+PAGE = Path(__file__).parents[2] / "docs" / "ems.md"
 
 
 def line(size: float, elements: int) -> tuple[np.ndarray, sparse.csr_array, sparse.csr_array]:

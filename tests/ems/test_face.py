@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.kit.interfaces import SLOSH, SLOSH_CONSTANT
-from fmus.slosh_ems.fmu import SloshEms
-from fmus.tank.frozen import Load, residual_load
-from fmus.tank.liquid import Tank
-from fmus.tank.motion import SectionMotion
+from aeroslosh.fmus.kit.interfaces import SLOSH, SLOSH_CONSTANT
+from aeroslosh.fmus.slosh_ems.fmu import SloshEms
+from aeroslosh.fmus.tank.frozen import Load, residual_load
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.motion import SectionMotion
 
 PLACE = {"tank_x": 0.3, "tank_y": 0.1}
 

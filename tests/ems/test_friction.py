@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from fmus.slosh_ems.fmu import SloshEms
-from fmus.slosh_vof.flow import Flow, Fluids, Numerics
-from fmus.slosh_vof.grid import Grid
-from fmus.tank.friction import MODES, THICK, Friction
-from fmus.tank.frozen import Load, residual_load
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import layer_damping, modes, stokes_damping, wave_frequencies
-from fmus.tank.motion import SectionMotion, course
+from aeroslosh.fmus.slosh_ems.fmu import SloshEms
+from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.tank.friction import MODES, THICK, Friction
+from aeroslosh.fmus.tank.frozen import Load, residual_load
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import layer_damping, modes, stokes_damping, wave_frequencies
+from aeroslosh.fmus.tank.motion import SectionMotion, course
 
 GAS = 0.1  # kg/m3: linear slosh has none
 STEPS, CYCLES, RISE = 40, 6, 1.5

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fmus.structure.section import Section, SectionData
-from fmus.tank.frozen import Load, carried_load, constants, frozen_load, residual_load, static_load, to_inertial
-from fmus.tank.liquid import Tank
-from fmus.tank.motion import SectionMotion
+from aeroslosh.fmus.structure.section import Section, SectionData
+from aeroslosh.fmus.tank.frozen import Load, carried_load, constants, frozen_load, residual_load, static_load, to_inertial
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.motion import SectionMotion
 
 TANK = Tank(length=0.5, height=0.15, x=0.7, y=0.2, density=800.0)
 MOVING = SectionMotion(0.03, -0.2, 4.0, 0.4, 1.5, -20.0, 0.1, 0.3, -2.0)

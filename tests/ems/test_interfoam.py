@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.slosh_ems.linear import LinearSlosh
-from fmus.slosh_ems.parametric import ParametricSlosh
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes, stokes_damping
-from fmus.tank.motion import SectionMotion, course
+from aeroslosh.fmus.slosh_ems.linear import LinearSlosh
+from aeroslosh.fmus.slosh_ems.parametric import ParametricSlosh
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes, stokes_damping
+from aeroslosh.fmus.tank.motion import SectionMotion, course
 
 DATA = Path(__file__).with_name("interfoam.csv")
 

@@ -8,13 +8,13 @@ import math
 import numpy as np
 import pytest
 
-from fmus.slosh_ems.linear import LinearSlosh
-from fmus.tank.frozen import residual_load, static_load
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes, stokes_damping
-from fmus.tank.motion import SectionMotion, course
-from fmus.tank.oscillators import Array
-from fmus.tank.potential import harmonic_load
+from aeroslosh.fmus.slosh_ems.linear import LinearSlosh
+from aeroslosh.fmus.tank.frozen import residual_load, static_load
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes, stokes_damping
+from aeroslosh.fmus.tank.motion import SectionMotion, course
+from aeroslosh.fmus.tank.oscillators import Array
+from aeroslosh.fmus.tank.potential import harmonic_load
 
 TANKS = {
     "centred": Tank(length=0.5, height=0.15),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmus.tank.oscillators import LARGEST_DAMPING, Oscillators, phi
+from aeroslosh.fmus.tank.oscillators import LARGEST_DAMPING, Oscillators, phi
 
 FORCE = np.array([1.0, -2.0, 3.0, 0.5, -4.0, 7.0])
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmus.slosh_ems.linear import LinearSlosh
-from fmus.slosh_ems.parametric import ParametricSlosh, SurfaceLost
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes
-from fmus.tank.motion import SectionMotion, at, course
-from fmus.tank.oscillators import Array, Complex
+from aeroslosh.fmus.slosh_ems.linear import LinearSlosh
+from aeroslosh.fmus.slosh_ems.parametric import ParametricSlosh, SurfaceLost
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
+from aeroslosh.fmus.tank.motion import SectionMotion, at, course
+from aeroslosh.fmus.tank.oscillators import Array, Complex
 
 TANK = Tank(length=0.5, height=0.15, x=0.7, y=0.2, density=800.0)
 G = TANK.gravity

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from fmus.slosh_ems.validity import WAVES, Gate
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import wave_frequencies
-from fmus.tank.motion import SectionMotion, course
+from aeroslosh.fmus.slosh_ems.validity import WAVES, Gate
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import wave_frequencies
+from aeroslosh.fmus.tank.motion import SectionMotion, course
 
 TANK = Tank(length=0.5, height=0.15, x=0.7, y=0.2)
 G, OMEGA = 9.81, wave_frequencies(TANK, np.arange(1.0, WAVES + 1.0))

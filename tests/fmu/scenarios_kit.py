@@ -9,7 +9,7 @@ from typing import Any
 
 from instance import LOG, Instance
 
-from master.hosts import reference as references
+from aeroslosh.master.hosts import reference as references
 
 
 def fault(path: str, kind: int) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus.aero.airfoil import contour
+from aeroslosh.fmus.aero.airfoil import contour
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]

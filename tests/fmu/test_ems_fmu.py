@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes
-from fmus.tank.potential import harmonic_load
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
+from aeroslosh.fmus.tank.potential import harmonic_load
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus.kit.build import BuildError, build
+from aeroslosh.fmus.build.archive import BuildError, build
 
 HERE = Path(__file__).resolve().parent
 FAULTY = HERE / "components" / "faulty"

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from fmus.kit.prediction import Extrapolator
+from aeroslosh.fmus.kit.prediction import Extrapolator
 
 MOTION = ["h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot"]
 SURGE = ["x", "x_dot", "x_ddot"]

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus.kit.build import ROOT
-from fmus.slosh_rbf.network import load, untrained
-from fmus.slosh_rbf.surrogate import Surrogate
-from fmus.tank.liquid import Tank
+from aeroslosh.fmus.build.archive import ROOT
+from aeroslosh.fmus.slosh_rbf.network import load, untrained
+from aeroslosh.fmus.slosh_rbf.surrogate import Surrogate
+from aeroslosh.fmus.tank.liquid import Tank
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]

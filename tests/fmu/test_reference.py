@@ -17,13 +17,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from fmus.kit import build, readme
-from master.errors import AeroSloshError
-from master.hosts import reference
+from aeroslosh.fmus.build import archive as build_archive
+from aeroslosh.fmus.build import readme
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.hosts import reference
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]
-COMPONENTS = sorted(build.components())
+COMPONENTS = sorted(build_archive.components())
 
 
 @pytest.mark.parametrize("component", COMPONENTS)
@@ -69,9 +70,9 @@ def test_an_fmu_without_reference_is_a_clear_error(fmu: Fmu, tmp_path: Path) -> 
 
 @pytest.mark.parametrize("component", COMPONENTS)
 def test_readme_is_up_to_date_and_complete(component: str) -> None:
-    folder = build.ROOT / component
+    folder = build_archive.ROOT / component
     text = (folder / "README.md").read_text(encoding="utf-8")
-    assert text == readme.current(folder), "python -m fmus.kit.readme"
+    assert text == readme.current(folder), "python -m aeroslosh.fmus.build.readme"
     headings = re.findall(r"^## (.*)$", text, re.MULTILINE)
     assert {"Variables", "Limits and validity", "Reference result"} <= set(headings)
     assert "<!-- variables -->" in text
@@ -80,7 +81,7 @@ def test_readme_is_up_to_date_and_complete(component: str) -> None:
 
 def test_the_generated_parts_follow_what_they_are_made_from(tmp_path: Path) -> None:
     folder = tmp_path / "reference"
-    shutil.copytree(build.ROOT / "structure" / "reference", folder)
+    shutil.copytree(build_archive.ROOT / "structure" / "reference", folder)
     rows = list(csv.reader(io.StringIO((folder / "output.csv").read_text(encoding="utf-8"))))
     rows[1][1] = "12.5"
     (folder / "output.csv").write_text("\n".join(",".join(row) for row in rows), encoding="utf-8")

@@ -12,12 +12,12 @@ from zipfile import ZipFile
 import numpy as np
 from fmpy.validation import validate_fmu
 
-from fmus.slosh_vof.flow import Flow, Fluids, Numerics
-from fmus.slosh_vof.grid import Grid
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes
-from fmus.tank.motion import SectionMotion
-from master import vtk
+from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
+from aeroslosh.fmus.tank.motion import SectionMotion
+from aeroslosh.master.base import vtk
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]

@@ -15,7 +15,7 @@ from typing import Any
 import fmpy
 import pytest
 
-from master.hosts import hosting
+from aeroslosh.master.hosts import hosting
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))  # for host_jobs, which is no test

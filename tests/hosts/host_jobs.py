@@ -14,7 +14,7 @@ LAUNCH = [
     f"PYTHONPATH={ROOT}",
     sys.executable,
     "-m",
-    "master.hosts.launcher",
+    "aeroslosh.master.hosts.launcher",
 ]  # from any folder
 
 STEP = 2.0**-9  # s: a whole number of nanoseconds, in which libcosim counts, and exact in binary: times are the same in all tools

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from host_jobs import JOBS, POINTS, clean, job, settings, table
 
-from master.hosts import hosting
+from aeroslosh.master.hosts import hosting
 
 MIDDLE = 5  # the row at which states are taken
 
@@ -79,7 +79,7 @@ def test_script_all_fmus_at_once(
     """With the shell script of `aeroslosh doctor --script`: six instances of five FMUs in one process, from another folder."""
     script, elsewhere = tmp_path / "start host.sh", tmp_path / "elsewhere"
     elsewhere.mkdir()
-    made = run([sys.executable, "-m", "master.cli", "doctor", "--script", str(script)], cwd=Path(__file__).parents[2])
+    made = run([sys.executable, "-m", "aeroslosh", "doctor", "--script", str(script)], cwd=Path(__file__).parents[2])
     assert (made.returncode, made.stdout) == (0, f"{script}\n"), made.stderr
     several = [word for name in [*JOBS, "structure"] for word in ["+", *words(name)]][1:]
     done = run([str(script), str(c_host), *several], cwd=elsewhere)

@@ -14,14 +14,14 @@ from typing import Any
 import pytest
 from host_jobs import ROOT, clean
 
-from fmus.kit import cache
-from master.hosts import doctor, hosting
+from aeroslosh.fmus.kit import cache
+from aeroslosh.master.hosts import doctor, hosting
 
 
 def run(*words: str, code: int, **environment: str) -> dict[str, Any]:
     """The command with --json."""
     done = subprocess.run(
-        [sys.executable, "-m", "master.cli", "doctor", "--json", *words],
+        [sys.executable, "-m", "aeroslosh", "doctor", "--json", *words],
         capture_output=True,
         text=True,
         cwd=ROOT,
@@ -138,7 +138,7 @@ def test_compile_cache_is_where_the_kernels_go(monkeypatch: pytest.MonkeyPatch, 
 
 def test_script_that_cannot_be_written(launch: list[str], tmp_path: Path) -> None:
     """A clear error, nothing left behind."""
-    words = [sys.executable, "-m", "master.cli", "doctor", "--script", str(tmp_path / "none" / "start.sh")]
+    words = [sys.executable, "-m", "aeroslosh", "doctor", "--script", str(tmp_path / "none" / "start.sh")]
     done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT, env=clean())
     assert done.returncode == 2 and "cannot be written" in done.stderr and "remedy" in done.stderr
     assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.kit import build
+from aeroslosh.fmus.build import archive
 
 KERNELS = Path(__file__).resolve().parents[1] / "fmu" / "components" / "kernels"
 RUN = """
@@ -31,7 +31,7 @@ def copy(folder: Path, package: str, kernel_edit: str = "") -> Path:
     root = folder / package
     root.mkdir(parents=True)
     (root / "__init__.py").touch()
-    shutil.copytree(build.ROOT / "kit", root / "kit", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(archive.ROOT / "kit", root / "kit", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(KERNELS, root / "kernels", ignore=shutil.ignore_patterns("__pycache__"))
     with (root / "kernels" / "sums.py").open("a") as file:
         file.write(kernel_edit)

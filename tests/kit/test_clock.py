@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from fmus.kit import clock
-from fmus.kit.failure import StepError
+from aeroslosh.fmus.kit import clock
+from aeroslosh.fmus.kit.failure import StepError
 
 
 def test_steps_that_differ_by_rounding_are_the_instances_own() -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fmus.kit import sources
-from fmus.kit.build import ROOT, BuildError, components, face_name
+from aeroslosh.fmus.build.archive import ROOT, BuildError, components, face_name
+from aeroslosh.fmus.kit import sources
 
 
 @pytest.fixture

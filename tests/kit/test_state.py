@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.kit.state import State, StateError
+from aeroslosh.fmus.kit.state import State, StateError
 
 RANDOM = np.random.default_rng(1)
 SNAPSHOT: dict[str, Any] = {

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from fmus.kit import interfaces, units
-from fmus.kit.slave import Slave
-from fmus.kit.variables import choice, input_, output, parameter
+from aeroslosh.fmus.kit import interfaces, units
+from aeroslosh.fmus.kit.slave import Slave
+from aeroslosh.fmus.kit.variables import choice, input_, output, parameter
 
 
 @pytest.mark.parametrize(

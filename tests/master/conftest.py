@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from master import case as cases
-from master import outcome
-from master.case import Case
-from master.damping import analyse
-from master.flutter import Cost, March
-from master.record import RunFolder, provenance, write_history
-from master.similarity import scales
-from master.sweeps import point_file
-from master.verdict import Verdict
+from aeroslosh.master.analysis.damping import analyse
+from aeroslosh.master.analysis.verdict import Verdict
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.case.scales import scales
+from aeroslosh.master.flutter.march import Cost, March
+from aeroslosh.master.results import point_file, summary
+from aeroslosh.master.results.run_folder import RunFolder, provenance, write_history
 
 HASHES = {"structure": "a" * 64, "aero": "b" * 64}
 
@@ -60,7 +59,7 @@ def point_run(tmp_path: Path) -> Callable[..., Path]:
         with RunFolder(tmp_path / name) as folder:
             folder.write_case(case)
             write_history(folder.path / "history.nc", of, told)
-            folder.write_result(outcome.march_data(of) | {"provenance": told})
+            folder.write_result(summary.march_data(of) | {"provenance": told})
         return tmp_path / name
 
     return write
@@ -77,7 +76,7 @@ def boundary_run(tmp_path: Path) -> Callable[..., Path]:
                 {"V_f": v, "V_f_uncertainty": u, "frequency": 0.8, "direction": d, "slope": 0.1, "uncertainty_parts": {"fit": u}}
                 for v, u, d in crossings
             ]
-            data = [outcome.march_data(m) for m in marches]
+            data = [summary.march_data(m) for m in marches]
             cost = {"wall_seconds": 1.0, "cpu_seconds": 2.0, "marches": len(data)}
             points.append(
                 {"mach": mach, "verdict": "neutral", "outcome": "", "converged": True, "crossings": rows, "linear": None}
@@ -106,7 +105,7 @@ def sweep_run(tmp_path: Path) -> Callable[..., Path]:
             record = point_file.Record(
                 id=f"{n:016x}", kind="point", overrides={"flutter.V_f": V_f},
                 status="done" if of else "failed", determined=bool(of),
-                result=outcome.march_data(of) if of else None, cause="" if of else "made to fail", traceback="", attempts=1,
+                result=summary.march_data(of) if of else None, cause="" if of else "made to fail", traceback="", attempts=1,
                 worker="w", cpu_seconds=1.0 + n, wall_seconds=1.0, started=0.0, finished=1.0,
             )  # fmt: skip
             content = point_file.pack(record, [of] if of else [], provenance(HASHES))

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from master.acceleration import Acceleration, Aitken, Constant, QuasiNewton, make
-from master.quasi_newton import least_squares
+from aeroslosh.master.cosim.acceleration import Acceleration, Aitken, Constant, QuasiNewton, make
+from aeroslosh.master.cosim.quasi_newton import least_squares
 
 Map = Callable[[np.ndarray], np.ndarray]
 

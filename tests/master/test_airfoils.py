@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from fmus.aero.airfoil import AirfoilError, contour
-from master import airfoils
-from master import case as cases
-from master.errors import AeroSloshError, ExitCode
+from aeroslosh.fmus.aero.airfoil import AirfoilError, contour
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.case import airfoils
+from aeroslosh.master.case import case as cases
 
 TABLE = Path(__file__).resolve().parents[2] / "fmus" / "aero" / airfoils.TABLE
 

@@ -16,9 +16,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fmus.kit.vtk import structured_grid, turned
-from master import animation, vtk
-from master.errors import AeroSloshError
+from aeroslosh.fmus.kit.vtk import structured_grid, turned
+from aeroslosh.master.base import vtk
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.pictures import tank_film
 
 ROOT = Path(__file__).parents[2]
 
@@ -52,14 +53,14 @@ def test_files_come_in_the_order_of_their_numbers(tmp_path: Path) -> None:
     for number in (12, 3, 1_000_000):
         tank(tmp_path, number)
     (tmp_path / "surface_000003.vtp").write_text("")
-    assert [path.name for path in animation.find(tmp_path)] == ["fields_000003.vts", "fields_000012.vts", "fields_1000000.vts"]
+    assert [path.name for path in tank_film.find(tmp_path)] == ["fields_000003.vts", "fields_000012.vts", "fields_1000000.vts"]
 
 
 def test_liquid_gas_walls_and_baffles_have_their_colours(tmp_path: Path) -> None:
     """Pixels of a tank pitched by 30 degrees, read back at points of the tank."""
-    field = animation.read(tank(tmp_path, 1, math.pi / 6, time=0.25))
+    field = tank_film.read(tank(tmp_path, 1, math.pi / 6, time=0.25))
     figure, axes = plt.subplots(figsize=(6, 6), dpi=100)
-    animation.draw(axes, field, np.array([-0.3, 0.3, -0.3, 0.3]), "fields_000001")
+    tank_film.draw(axes, field, np.array([-0.3, 0.3, -0.3, 0.3]), "fields_000001")
     figure.canvas.draw()
     pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(int)  # type: ignore[attr-defined]
 
@@ -81,7 +82,7 @@ def test_liquid_gas_walls_and_baffles_have_their_colours(tmp_path: Path) -> None
 
 def test_an_animation_has_a_frame_for_each_file(tmp_path: Path) -> None:
     files = [tank(tmp_path / "fields", n, 0.1 * n, time=0.1 * n) for n in range(4)]
-    written = animation.animate(files, tmp_path / "sub" / "film.gif", 25, tmp_path / "pictures")
+    written = tank_film.animate(files, tmp_path / "sub" / "film.gif", 25, tmp_path / "pictures")
     assert [path.name for path in written] == ["film.gif", *(f"fields_{n:06d}.png" for n in range(4))]
     with Image.open(written[0]) as film:
         assert film.n_frames == 4  # type: ignore[attr-defined]
@@ -101,7 +102,7 @@ def test_an_animation_has_a_frame_for_each_file(tmp_path: Path) -> None:
 
 def test_a_tank_that_travels_is_followed(tmp_path: Path) -> None:
     def windows(step: float) -> np.ndarray:
-        return animation._windows(np.array([animation._box(vtk.read(tank(tmp_path, n, aft=step * n))) for n in range(4)]))
+        return tank_film._windows(np.array([tank_film._box(vtk.read(tank(tmp_path, n, aft=step * n))) for n in range(4)]))
 
     near, far = windows(0.1), windows(1.0)
     np.testing.assert_array_equal(near, np.tile(near[0], (4, 1)))
@@ -119,12 +120,12 @@ def test_refusals_name_the_file_and_the_remedy(tmp_path: Path) -> None:
     broken.write_text("no XML")
     out = tmp_path / "film.gif"
     cases: list[tuple[Callable[[], object], list[str]]] = [
-        (lambda: animation.find(tmp_path / "nowhere"), ["no such folder", "nowhere"]),
-        (lambda: animation.find(tmp_path / "empty"), ["no files fields_<number>.vts", "--fields"]),
-        (lambda: animation.animate([broken], out), ["cannot be read", str(broken)]),
-        (lambda: animation.animate([tank(tmp_path / "wing", 1, cells="mach")], out), ["no volume_fraction", "slosh FMU"]),
-        (lambda: animation.animate(good, out, 0), ["--fps 0", "1 to 50"]),
-        (lambda: animation.animate(good, tmp_path / "film.mp4"), ["film.mp4", ".gif"]),
+        (lambda: tank_film.find(tmp_path / "nowhere"), ["no such folder", "nowhere"]),
+        (lambda: tank_film.find(tmp_path / "empty"), ["no files fields_<number>.vts", "--fields"]),
+        (lambda: tank_film.animate([broken], out), ["cannot be read", str(broken)]),
+        (lambda: tank_film.animate([tank(tmp_path / "wing", 1, cells="mach")], out), ["no volume_fraction", "slosh FMU"]),
+        (lambda: tank_film.animate(good, out, 0), ["--fps 0", "1 to 50"]),
+        (lambda: tank_film.animate(good, tmp_path / "film.mp4"), ["film.mp4", ".gif"]),
     ]
     for attempt, words in cases:
         with pytest.raises(AeroSloshError) as caught:
@@ -135,7 +136,7 @@ def test_refusals_name_the_file_and_the_remedy(tmp_path: Path) -> None:
 
 
 def aeroslosh(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "master.cli", *arguments], cwd=ROOT, capture_output=True, text=True)
+    return subprocess.run([sys.executable, "-m", "aeroslosh", *arguments], cwd=ROOT, capture_output=True, text=True)
 
 
 def test_drive_writes_fields_and_animate_draws_them(fmu: Callable[[str], Path], tmp_path: Path) -> None:

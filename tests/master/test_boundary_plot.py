@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from master.boundary_plot import branches
-from master.linear import LinearCrossing
+from aeroslosh.master.linear.model import LinearCrossing
+from aeroslosh.master.pictures.boundary import branches
 
 
 def crossing(V_f: float, frequency: float, direction: str = "onset") -> LinearCrossing:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from master.case import Case, apply_override, dump, load
-from master.errors import AeroSloshError, ExitCode
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.case.case import Case, apply_override, dump, load
 
 CASE = Path(__file__).parents[2] / "cases" / "isogai_a.toml"
 

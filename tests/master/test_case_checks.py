@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from fmus.tank.plausible import RULES
-from master import case as cases
-from master import case_checks, plausible, training_case
-from master.case import Case
-from master.errors import AeroSloshError, ExitCode
+from aeroslosh.fmus.tank.plausible import RULES
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.case import checks, plausible
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.training import case as training_case
 
 ROOT = Path(__file__).parents[2]
 SECTION = {"elastic_axis": 0.35, "x_alpha": 0.2, "r2_alpha": 0.25, "frequency_ratio": 0.4, "mass_ratio": 75.0}
@@ -46,12 +47,12 @@ def test_an_empty_case_is_refused_with_all_that_is_missing(tmp_path: Path, comma
         cases.load(tmp_path / "empty.toml", (), command)
     said = str(caught.value)
     assert caught.value.code == ExitCode.INPUT and "empty.toml" in said and "remedy" in said
-    for name in case_checks.REQUIRED[command]:
+    for name in checks.REQUIRED[command]:
         assert name in said
     assert "centre of mass aft of the elastic axis" in said
 
 
-@pytest.mark.parametrize("name", [*case_checks.REQUIRED["point"], *case_checks.MOVING])
+@pytest.mark.parametrize("name", [*checks.REQUIRED["point"], *checks.MOVING])
 def test_each_required_key_is_asked_for_by_name_and_can_be_set(tmp_path: Path, name: str) -> None:
     liquid = {"slosh": {"model": "ems", **TANK}, "section": {"chord": 1.2}}
     path = written(tmp_path / "mine.toml", name, **liquid)
@@ -99,13 +100,13 @@ def test_a_training_names_its_tank(tmp_path: Path) -> None:
 
 def test_defaults_are_told_in_one_line_and_marked_in_the_resolved_case(tmp_path: Path) -> None:
     case = cases.load(written(tmp_path / "mine.toml"), ["section.damping_ratio_h=0.01"], "point")
-    told, defaults = case_checks.told(case, "point"), case_checks.defaults(case, "point")
+    told, defaults = checks.told(case, "point"), checks.defaults(case, "point")
     assert "\n" not in told and told.startswith(f"{len(defaults)} keys at their default: section.chord = 1 m")
     assert "flow.static_pressure = 101325 Pa" in told and "damping_ratio_h" not in told and "[flutter]" in told
     assert defaults["flow.static_temperature"] == 288.15 and "flutter.free_cycles" in defaults
     # neither what the command does not read nor what belongs to another model or scheme
     assert not {"slosh.tank_length", "coupling.max_iterations", "boundary.tolerance", "output.fields"} & set(defaults)
-    assert "flow.mach" not in case_checks.defaults(cases.load(written(tmp_path / "b.toml", "flow.mach")), "boundary")
+    assert "flow.mach" not in checks.defaults(cases.load(written(tmp_path / "b.toml", "flow.mach")), "boundary")
     text = cases.dump(case)
     assert (
         "chord = 1.0  # default: chord" in text and "x_alpha = 0.2  # centre" in text and "damping_ratio_h = 0.01  # str" in text
@@ -116,7 +117,7 @@ def test_defaults_are_told_in_one_line_and_marked_in_the_resolved_case(tmp_path:
 
 
 def test_a_case_made_in_code_has_its_defaults() -> None:
-    case_checks.complete(Case(), "point", "")
+    checks.complete(Case(), "point", "")
     cases.apply_override(Case(), "section.x_alpha=1.7")
 
 

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from master import cli, history
-from master.errors import AeroSloshError, ExitCode
-from master.flutter import March
-from master.history_difference import difference
-from master.record import provenance
-from master.sweeps import point_file
+from aeroslosh.master import cli
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.flutter.march import March
+from aeroslosh.master.results import history_file, point_file
+from aeroslosh.master.results.history_difference import difference
+from aeroslosh.master.results.run_folder import provenance
 
 ROOT = Path(__file__).parents[2]
 Writer = Callable[..., Path]
@@ -110,7 +110,7 @@ def test_settings_alone_make_no_difference(point_run: Writer, made_up: Marcher, 
 
 
 def test_other_grids_are_interpolated_and_said_to_be(point_run: Writer, made_up: Marcher) -> None:
-    coarse, fine = (history.read(point_run(f"n{n}", made_up(steps_per_cycle=n)) / "history.nc")[0] for n in (80, 200))
+    coarse, fine = (history_file.read(point_run(f"n{n}", made_up(steps_per_cycle=n)) / "history.nc")[0] for n in (80, 200))
     told = difference("history", coarse, fine)
     assert not told.same and "interpolated linearly at 481 common time" in told.how
     alpha = next(c for c in told.channels if c.name == "alpha")
@@ -118,14 +118,14 @@ def test_other_grids_are_interpolated_and_said_to_be(point_run: Writer, made_up:
     assert 0.0 < alpha.relative < (0.9 * 2 * np.pi / 200) ** 2 / 8
     assert difference("history", fine, coarse).channels == told.channels
     assert told.differs(0.0) and told.differs(1e-6) and not told.differs(0.01)
-    shorter = history.read(point_run("short", made_up(cycles=3)) / "history.nc")[0]
+    shorter = history_file.read(point_run("short", made_up(cycles=3)) / "history.nc")[0]
     told = difference("history", coarse, shorter)
     assert "first 241 samples" in told.how and told.compared == 241
     assert all(c.largest == 0.0 for c in told.channels) and told.differs(0.1)
 
 
 def test_other_speeds_are_compared_at_equal_tau(point_run: Writer, made_up: Marcher) -> None:
-    slow, fast = (history.read(point_run(f"v{v}", made_up(V_f=v)) / "history.nc")[0] for v in (0.5, 0.6))
+    slow, fast = (history_file.read(point_run(f"v{v}", made_up(V_f=v)) / "history.nc")[0] for v in (0.5, 0.6))
     told = difference("history", slow, fast)
     assert told.axis == "tau" and "equal tau" in told.how
     # the steps are whole nanoseconds: their tau differ by 1e-7 of a step, over all of them 2e-5
@@ -286,7 +286,7 @@ def test_a_repeated_run_is_the_same_and_another_predictor_is_not(
 
     def point(name: str, case: str | Path, *overrides: str) -> Path:
         words = [word for o in overrides for word in ("--set", o)]
-        command = [sys.executable, "-m", "master.cli", "point", str(case), "--fmus", str(tmp_path), *words]
+        command = [sys.executable, "-m", "aeroslosh", "point", str(case), "--fmus", str(tmp_path), *words]
         command += ["--no-pictures", "--quiet", "--out", str(tmp_path / name)]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         assert done.returncode in (0, 4), done.stderr  # so short a march may have no verdict

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from master.damping import Fit, analyse
-from master.verdict import Verdict, describes, judge
+from aeroslosh.master.analysis.damping import Fit, analyse
+from aeroslosh.master.analysis.verdict import Verdict, describes, judge
 
 STEPS, CYCLES = 50, 5
 

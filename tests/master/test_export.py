@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.kit.vtk import line, structured_grid
-from master import cli, export, history, pvd
-from master.errors import AeroSloshError, ExitCode
-from master.flutter import March
-from master.record import provenance
-from master.sweeps import point_file
+from aeroslosh.fmus.kit.vtk import line, structured_grid
+from aeroslosh.master import cli
+from aeroslosh.master.base import pvd
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.flutter.march import March
+from aeroslosh.master.results import export, history_file, point_file
+from aeroslosh.master.results.run_folder import provenance
 
 ROOT = Path(__file__).parents[2]
 Writer = Callable[..., Path]
@@ -127,7 +128,7 @@ def test_drive_leaves_a_collection_with_the_times_of_its_rows(fmu: Callable[[str
     """The aero FMU writes no field of the first row and no time into its files."""
     motion = tmp_path / "motion.csv"
     motion.write_text("time,alpha\n1.0,0\n1.001,0.001\n1.003,0.001\n1.004,0.001\n1.006,0.001\n")
-    command = [sys.executable, "-m", "master.cli", "drive", str(fmu("aero")), "--input", str(motion), "--fields", "2", "--json"]
+    command = [sys.executable, "-m", "aeroslosh", "drive", str(fmu("aero")), "--input", str(motion), "--fields", "2", "--json"]
     command += ["--no-pictures", "--set", "cells_around=64", "--set", "cells_normal=16"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -176,7 +177,7 @@ def test_a_broken_field_file_is_told(tmp_path: Path) -> None:
 
 def test_attributes_and_units_are_read_back(point_run: Writer, made_up: Marcher) -> None:
     march = made_up()
-    (read,) = history.read(point_run("a", march) / "history.nc")
+    (read,) = history_file.read(point_run("a", march) / "history.nc")
     assert (read.name, read.size, read.units["h_over_b"]) == ("history", march.tau.size, "1")
     assert read.attributes["V_f"] == march.scales.V_f and read.attributes["release_index"] == 0
     assert read.attributes["fmu_sha256"] == {"structure": "a" * 64, "aero": "b" * 64}

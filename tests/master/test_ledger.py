@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from master.case import Case
-from master.errors import AeroSloshError, ExitCode
-from master.sweeps import point_file, sweep
-from master.sweeps.jobs import Job, Product, failed
-from master.sweeps.ledger import Damaged, Ledger
-from master.sweeps.plan import Plan, Point
-from master.sweeps.point_file import Record
-from master.sweeps.sweep import Store
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.results import point_file
+from aeroslosh.master.results.point_file import Record
+from aeroslosh.master.sweeps import sweep
+from aeroslosh.master.sweeps.jobs import Job, Product, failed
+from aeroslosh.master.sweeps.ledger import Damaged, Ledger
+from aeroslosh.master.sweeps.plan import Plan, Point
+from aeroslosh.master.sweeps.sweep import Store
 
 VERSIONS = {"numpy": "2"}
 

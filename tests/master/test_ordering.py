@@ -7,8 +7,8 @@ import random
 
 import pytest
 
-from master import ordering
-from master.errors import AeroSloshError
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.cosim import ordering
 
 Links = list[tuple[str, str]]
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from master import case as cases
-from master.errors import AeroSloshError, ExitCode
-from master.sweeps import parameters, plan
-from master.sweeps.plan import Plan
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.sweeps import parameters, plan
+from aeroslosh.master.sweeps.plan import Plan
 
 HEAD = """\
 section = { chord = 1, elastic_axis = -0.5, x_alpha = 1.8, r2_alpha = 3.48, frequency_ratio = 1, mass_ratio = 60 }

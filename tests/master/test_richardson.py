@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from master.richardson import FORMAL, LOWEST, SAFETY, study
+from aeroslosh.master.analysis.richardson import FORMAL, LOWEST, SAFETY, study
 
 
 def test_the_example_of_celik_et_al() -> None:

@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from master.boundary import outcome_text
-from master.roots import Crossing, Sample
-from master.search import crossings, propose
+from aeroslosh.master.analysis.crossings import Crossing, Sample
+from aeroslosh.master.boundary.next_march import crossings, propose
+from aeroslosh.master.boundary.search import outcome_text
 
 Curve = Callable[[float], float]
 TOLERANCE = 0.005

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from master.roots import Crossing, Sample
-from master.search import crossings, propose
+from aeroslosh.master.analysis.crossings import Crossing, Sample
+from aeroslosh.master.boundary.next_march import crossings, propose
 
 TABLE = Path(__file__).parents[1] / "data" / "growth_rates.csv"
 LOW, HIGH, TOLERANCE = 0.2, 3.0, 0.005

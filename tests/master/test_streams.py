@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from master import cli
-from master.errors import AeroSloshError
+from aeroslosh.master import cli
+from aeroslosh.master.base.errors import AeroSloshError
 
 PRINTS = """
 import sys
@@ -113,9 +113,10 @@ def test_imports_change_nothing_of_the_program_around() -> None:
     """Neither its environment nor how it draws."""
     code = (
         "import os, matplotlib; before = dict(os.environ); matplotlib.use('svg')\n"
-        "import master, master.cli, master.plots, master.boundary_plot, master.animation, master.sweeps.plot, master.commands\n"
-        "import master.hosts.make_reference, sys\n"
-        "from master import canvas; canvas.subplots()[0].savefig(os.devnull, format='png')\n"
+        "import importlib, pkgutil, sys, aeroslosh.master\n"
+        "for found in pkgutil.walk_packages(aeroslosh.master.__path__, 'aeroslosh.master.'):\n"
+        "    importlib.import_module(found.name)\n"
+        "from aeroslosh.master.pictures import canvas; canvas.subplots()[0].savefig(os.devnull, format='png')\n"
         "assert dict(os.environ) == before, set(os.environ.items()) ^ set(before.items())\n"
         "assert matplotlib.get_backend() == 'svg' and 'matplotlib.pyplot' not in sys.modules\n"
     )

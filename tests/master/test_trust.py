@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from master import boundary_plot, outcome, plots, record, trust
-from master.boundary import BoundaryPoint
-from master.flutter import March
-from master.roots import Crossing
-from master.sweeps import plot, results
-from master.sweeps.ledger import Row
-from master.verdict import Verdict
+from aeroslosh.master.analysis.crossings import Crossing
+from aeroslosh.master.analysis.verdict import Verdict
+from aeroslosh.master.boundary.search import BoundaryPoint
+from aeroslosh.master.flutter.march import March
+from aeroslosh.master.pictures import boundary
+from aeroslosh.master.pictures import march as pictures_march
+from aeroslosh.master.pictures import sweep as pictures_sweep
+from aeroslosh.master.results import run_folder, summary, trust
+from aeroslosh.master.sweeps import results
+from aeroslosh.master.sweeps.ledger import Row
 
 Marcher = Callable[..., March]
 
@@ -38,26 +41,26 @@ def test_the_worst_of_the_march_counts_not_its_last_sample(made_up: Marcher) -> 
 
 
 def test_a_march_outside_the_model_has_no_verdict(made_up: Marcher) -> None:
-    data = outcome.march_data(told(made_up(), [0.0, 34.0]))
+    data = summary.march_data(told(made_up(), [0.0, 34.0]))
     assert (data["verdict"], data["motion_verdict"], data["slosh_holds"]) == ("undetermined", "damped", False)
     assert data["slosh_validity"] == 34.0 and "does not hold (validity 34, edge 1)" in data["reason"]
     assert "37 times smaller" in data["remedy"] and data["growth_rate"] is not None
-    said = outcome.march_summary(data)
+    said = summary.march_summary(data)
     assert "UNDETERMINED" in said and "remedy" in said and "as computed: damped" in said
-    assert record.march_attributes(told(made_up(), [0.0, 34.0]))["verdict"] == "undetermined"
-    assert "does not hold" in plots.headline(told(made_up(), [0.0, 34.0]))
+    assert run_folder.march_attributes(told(made_up(), [0.0, 34.0]))["verdict"] == "undetermined"
+    assert "does not hold" in pictures_march.headline(told(made_up(), [0.0, 34.0]))
 
 
 def test_a_liquid_too_viscous_at_rest_is_not_helped_by_smaller_motions(made_up: Marcher) -> None:
-    data = outcome.march_data(told(made_up(), [2.0, 2.0]))
+    data = summary.march_data(told(made_up(), [2.0, 2.0]))
     assert 'slosh.model = "vof"' in data["remedy"] and "smaller" not in data["remedy"].replace("small enough", "")
 
 
 def test_a_march_inside_keeps_its_verdict(made_up: Marcher) -> None:
-    data = outcome.march_data(told(made_up(), [0.0, 1.0]))
+    data = summary.march_data(told(made_up(), [0.0, 1.0]))
     assert (data["verdict"], data["slosh_holds"], data["remedy"]) == ("damped", True, None)
-    assert "UNDETERMINED" not in outcome.march_summary(data)
-    assert outcome.march_data(made_up())["slosh_holds"] is None
+    assert "UNDETERMINED" not in summary.march_summary(data)
+    assert summary.march_data(made_up())["slosh_holds"] is None
 
 
 def point(marches: list[March], *crossings: Crossing) -> BoundaryPoint:
@@ -72,23 +75,23 @@ def test_a_crossing_rests_on_the_marches_beside_it(made_up: Marcher) -> None:
     near = [told(made_up(V_f=0.69), [0.0, 0.5]), told(made_up(V_f=0.71), [0.0, 0.8])]
     far = told(made_up(V_f=0.9, growth=0.05), [0.0, 50.0])
     sound = point([far, *near], ONSET)
-    data = outcome.point_data(sound)
+    data = summary.point_data(sound)
     assert trust.decided(sound) and data["slosh_holds"] and data["verdict"] == "neutral"
     assert data["slosh_validity"] == data["crossings"][0]["slosh_validity"] == pytest.approx(0.8)
     spoilt = point([far, near[0], told(made_up(V_f=0.71), [0.0, 18.0])], ONSET)
-    data = outcome.point_data(spoilt)
+    data = summary.point_data(spoilt)
     assert not trust.decided(spoilt) and data["slosh_holds"] is False and data["verdict"] == "undetermined"
     assert "does not hold (validity 18" in data["outcome"] and data["V_f"] == 0.7
-    assert "UNDETERMINED" in outcome.boundary_summary([data]) and "UNDETERMINED" not in outcome.boundary_summary(
-        [outcome.point_data(sound)]
+    assert "UNDETERMINED" in summary.boundary_summary([data]) and "UNDETERMINED" not in summary.boundary_summary(
+        [summary.point_data(sound)]
     )
 
 
 def test_without_a_crossing_all_marches_count(made_up: Marcher) -> None:
     assert (
-        outcome.point_data(point([told(made_up(V_f=0.5), [0, 0.5]), told(made_up(V_f=0.9), [0, 7.0])]))["slosh_validity"] == 7.0
+        summary.point_data(point([told(made_up(V_f=0.5), [0, 0.5]), told(made_up(V_f=0.9), [0, 7.0])]))["slosh_validity"] == 7.0
     )
-    assert outcome.point_data(point([made_up()]))["slosh_holds"] is None
+    assert summary.point_data(point([made_up()]))["slosh_holds"] is None
 
 
 def test_the_boundary_picture_marks_it(made_up: Marcher, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -99,12 +102,12 @@ def test_the_boundary_picture_marks_it(made_up: Marcher, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Figure, "savefig", look)
     for size in (0.5, 18.0):
-        boundary_plot.draw([point([told(made_up(V_f=0.71), [0.0, size])], ONSET)], "nowhere.png", None, "ems")  # type: ignore[arg-type]
+        boundary.draw([point([told(made_up(V_f=0.71), [0.0, size])], ONSET)], "nowhere.png", None, "ems")  # type: ignore[arg-type]
     assert not any("does not hold" in text for text in labels[0]) and any("does not hold" in text for text in labels[1])
 
 
 def row(made_up: Marcher, V_f: float, mach: float, size: float) -> Row:
-    result = outcome.march_data(told(made_up(V_f=V_f, growth=0.1 * (V_f - 0.6)), [0.0, size]))
+    result = summary.march_data(told(made_up(V_f=V_f, growth=0.1 * (V_f - 0.6)), [0.0, size]))
     overrides = {"flutter.V_f": V_f, "flow.mach": mach}
     holds = bool(result["slosh_holds"])
     return Row(f"{V_f}{mach}", 0, overrides, "done", holds, result, "x.nc", "", "", "", 1, "w", 1.0, 1.0)
@@ -123,7 +126,7 @@ def crosses(made_up: Marcher, monkeypatch: pytest.MonkeyPatch, grid: bool) -> in
         seen.append([len(line.get_xdata()) for axis in self.axes for line in axis.lines if line.get_marker() == "x"])
 
     monkeypatch.setattr(Figure, "savefig", look)
-    plot.draw(table, "point", ["flutter.V_f", "flow.mach"], grid)
+    pictures_sweep.draw(table, "point", ["flutter.V_f", "flow.mach"], grid)
     return sum(seen[0])
 
 

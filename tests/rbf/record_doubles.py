@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from fmus.slosh_rbf.dataset import Planned, generate
-from fmus.slosh_rbf.excitation import aprbs, sine
-from fmus.slosh_rbf.signals import instants
+from aeroslosh.fmus.slosh_rbf.training.dataset import Planned, generate
+from aeroslosh.fmus.slosh_rbf.training.excitation import aprbs, sine
+from aeroslosh.fmus.slosh_rbf.training.signals import instants
 
 Array = np.ndarray
 TIMES = instants(0.4, 2e-3)

@@ -16,16 +16,16 @@ import pytest
 import record_doubles
 from record_doubles import TIMES, fragile, fragile_plan, plan, weigh
 
-from fmus.slosh_rbf.dataset import LOADS, DatasetError, Planned, Progress, generate, load, read
-from fmus.slosh_rbf.excitation import aprbs
-from fmus.slosh_rbf.plan import settings
-from fmus.slosh_rbf.signals import instants
-from fmus.tank.frozen import frozen_load
-from fmus.tank.liquid import Tank
-from fmus.tank.motion import SectionMotion
-from master.errors import AeroSloshError
-from master.history import read as read_history
-from master.tank_records import LINEAR_LOADS, Drive
+from aeroslosh.fmus.slosh_rbf.training.dataset import LOADS, DatasetError, Planned, Progress, generate, load, read
+from aeroslosh.fmus.slosh_rbf.training.excitation import aprbs
+from aeroslosh.fmus.slosh_rbf.training.plan import settings
+from aeroslosh.fmus.slosh_rbf.training.signals import instants
+from aeroslosh.fmus.tank.frozen import frozen_load
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.motion import SectionMotion
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.results.history_file import read as read_history
+from aeroslosh.master.training.tank_records import LINEAR_LOADS, Drive
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = {"is": "a double"}

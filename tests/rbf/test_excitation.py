@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
 
-from fmus.slosh_rbf.excitation import (
+from aeroslosh.fmus.slosh_rbf.training.excitation import (
     ExcitationError,
     Mode,
     Motion,
@@ -23,11 +23,11 @@ from fmus.slosh_rbf.excitation import (
     released,
     sine,
 )  # fmt: skip
-from fmus.slosh_rbf.intensity import balanced, effective_gravity, intensity, scaled_to
-from fmus.slosh_rbf.plan import SHORT, standard
-from fmus.slosh_rbf.signals import Array, instants
-from fmus.tank.liquid import Tank
-from fmus.tank.motion import SectionMotion, body_force
+from aeroslosh.fmus.slosh_rbf.training.intensity import balanced, effective_gravity, intensity, scaled_to
+from aeroslosh.fmus.slosh_rbf.training.plan import SHORT, standard
+from aeroslosh.fmus.slosh_rbf.training.signals import Array, instants
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.motion import SectionMotion, body_force
 
 TIMES = instants(4.0, 1e-3)
 TANK = Tank(0.5, 0.15)

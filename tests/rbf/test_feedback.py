@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fmus.slosh_rbf.basis import k_means
-from fmus.slosh_rbf.feedback import INPUTS, Feedback, columns, free_run, gaussians, one_step, regressors
-from fmus.slosh_rbf.feedback_training import fit
-from fmus.slosh_rbf.network import NetworkError
+from aeroslosh.fmus.slosh_rbf.feedback import INPUTS, Feedback, columns, free_run, gaussians, one_step, regressors
+from aeroslosh.fmus.slosh_rbf.network import NetworkError
+from aeroslosh.fmus.slosh_rbf.training.basis import k_means
+from aeroslosh.fmus.slosh_rbf.training.feedback_fit import fit
 
 Array = np.ndarray
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.slosh_rbf import feedback
-from fmus.slosh_rbf.body import from_load
-from fmus.slosh_rbf.feedback import Feedback, columns, free_run
-from fmus.slosh_rbf.feedback_tank import FeedbackSurrogate, in_tank, read
-from fmus.slosh_rbf.feedback_training import fit
-from fmus.slosh_rbf.network import NetworkError, untrained
-from fmus.slosh_rbf.surrogate import Record, Surrogate, inputs, tabulate
-from fmus.tank.liquid import Tank
+from aeroslosh.fmus.slosh_rbf import feedback
+from aeroslosh.fmus.slosh_rbf.body import from_load
+from aeroslosh.fmus.slosh_rbf.feedback import Feedback, columns, free_run
+from aeroslosh.fmus.slosh_rbf.feedback_tank import FeedbackSurrogate, in_tank, read
+from aeroslosh.fmus.slosh_rbf.network import NetworkError, untrained
+from aeroslosh.fmus.slosh_rbf.surrogate import Record, Surrogate, inputs, tabulate
+from aeroslosh.fmus.slosh_rbf.training.feedback_fit import fit
+from aeroslosh.fmus.tank.liquid import Tank
 
 TANK = Tank(0.5, 0.15)
 STEP = 2e-3

@@ -9,18 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.slosh_ems.linear import LinearSlosh
-from fmus.slosh_rbf import gate
-from fmus.slosh_rbf.body import from_load, to_load
-from fmus.slosh_rbf.excitation import Motion, carried
-from fmus.slosh_rbf.memory import MODES, SECOND, Memory
-from fmus.slosh_rbf.network import Network, NetworkError, Weights, load, untrained
-from fmus.slosh_rbf.readout import EVEN, MIRROR, ODD, SPACE
-from fmus.slosh_rbf.surrogate import Record, State, Surrogate, tabulate
-from fmus.tank.frozen import static_load
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes
-from fmus.tank.motion import SectionMotion, course
+from aeroslosh.fmus.slosh_ems.linear import LinearSlosh
+from aeroslosh.fmus.slosh_rbf import gate
+from aeroslosh.fmus.slosh_rbf.body import from_load, to_load
+from aeroslosh.fmus.slosh_rbf.memory import MODES, SECOND, Memory
+from aeroslosh.fmus.slosh_rbf.network import Network, NetworkError, Weights, load, untrained
+from aeroslosh.fmus.slosh_rbf.readout import EVEN, MIRROR, ODD, SPACE
+from aeroslosh.fmus.slosh_rbf.surrogate import Record, State, Surrogate, tabulate
+from aeroslosh.fmus.slosh_rbf.training.excitation import Motion, carried
+from aeroslosh.fmus.tank.frozen import static_load
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
+from aeroslosh.fmus.tank.motion import SectionMotion, course
 
 TANK = Tank(0.5, 0.15, 1.0, 0.5, 1.8, 0.1, 800.0, 9.81)
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fmus.slosh_vof.flow import Flow
-from fmus.tank.motion import SectionMotion
+from aeroslosh.fmus.slosh_vof.flow import Flow
+from aeroslosh.fmus.tank.motion import SectionMotion
 
 Course = Callable[[float], SectionMotion]
 REST = SectionMotion()

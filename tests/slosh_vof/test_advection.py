@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fmus.slosh_vof.advection import advect
-from fmus.slosh_vof.grid import Grid
-from fmus.slosh_vof.plic import fill_ghosts, reconstruct, surface
-from fmus.tank.liquid import Tank
+from aeroslosh.fmus.slosh_vof.advection import advect
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.slosh_vof.plic import fill_ghosts, reconstruct, surface
+from aeroslosh.fmus.tank.liquid import Tank
 
 
 def disc(grid: Grid, x0: float, y0: float, radius: float) -> np.ndarray:

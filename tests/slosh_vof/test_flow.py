@@ -9,13 +9,13 @@ import pytest
 from motions import REST, Course, harmonic, march
 from scipy.optimize import brentq
 
-from fmus.slosh_vof import step
-from fmus.slosh_vof.flow import Flow, FlowError, Fluids, Numerics
-from fmus.slosh_vof.grid import Baffles, Grid
-from fmus.slosh_vof.surface import flat, from_heights
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import lid_inertia
-from fmus.tank.motion import SectionMotion, at, body_force, course
+from aeroslosh.fmus.slosh_vof import step
+from aeroslosh.fmus.slosh_vof.flow import Flow, FlowError, Fluids, Numerics
+from aeroslosh.fmus.slosh_vof.grid import Baffles, Grid
+from aeroslosh.fmus.slosh_vof.surface import flat, from_heights
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import lid_inertia
+from aeroslosh.fmus.tank.motion import SectionMotion, at, body_force, course
 
 WATER = 0.5 * 0.075 * 1000.0
 AIR = 0.5 * 0.075 * 1.2

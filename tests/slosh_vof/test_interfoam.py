@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from motions import march
 
+from aeroslosh.fmus.slosh_vof.flow import Flow
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.motion import SectionMotion
 from benchmarks.interfoam import case_b, from_section, to_section
-from fmus.slosh_vof.flow import Flow
-from fmus.slosh_vof.grid import Grid
-from fmus.tank.liquid import Tank
-from fmus.tank.motion import SectionMotion
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 

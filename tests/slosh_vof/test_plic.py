@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from fmus.slosh_vof.grid import Grid
-from fmus.slosh_vof.plic import area, fill_ghosts, intercept, reconstruct, surface
-from fmus.slosh_vof.surface import flat, from_heights
-from fmus.tank.liquid import Tank
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.slosh_vof.plic import area, fill_ghosts, intercept, reconstruct, surface
+from aeroslosh.fmus.slosh_vof.surface import flat, from_heights
+from aeroslosh.fmus.tank.liquid import Tank
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import pytest
 import scipy.sparse
 import scipy.sparse.linalg
 
-from fmus.slosh_vof.grid import Grid
-from fmus.slosh_vof.multigrid import plan, set_up, v_cycle
-from fmus.slosh_vof.pressure import solve
-from fmus.tank.liquid import Tank
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.slosh_vof.multigrid import plan, set_up, v_cycle
+from aeroslosh.fmus.slosh_vof.pressure import solve
+from aeroslosh.fmus.tank.liquid import Tank
 
 
 def conductances(grid: Grid, ratio: float, seed: int) -> tuple[np.ndarray, np.ndarray]:

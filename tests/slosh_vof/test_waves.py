@@ -9,11 +9,11 @@ import pytest
 from motions import REST, harmonic, march
 from scipy.optimize import least_squares
 
-from fmus.slosh_vof.flow import Flow, Fluids, Numerics
-from fmus.slosh_vof.grid import Grid
-from fmus.slosh_vof.surface import from_heights
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes, stokes_damping
+from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.slosh_vof.surface import from_heights
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes, stokes_damping
 
 
 def frequency(times: np.ndarray, values: np.ndarray, guess: float) -> tuple[float, float]:

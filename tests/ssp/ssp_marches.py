@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from master import assembly as assemblies
-from master import case as cases
-from master import slosh
-from master.assembly import Assembly
-from master.case import Case
-from master.coupling import Jacobi
-from master.hosts.ssp_system import Coupled
-from master.system import System
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.case import fuel_tank
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.cosim import system_file as assemblies
+from aeroslosh.master.cosim.scheme import Jacobi
+from aeroslosh.master.cosim.system import System
+from aeroslosh.master.cosim.system_file import Assembly
+from aeroslosh.master.ssp.system import Coupled
 
 ROOT = Path(__file__).parents[2]
 SMALL = [  # coarse meshes; 65 steps forced, then free; steps solved so well that rounding in the step stays rounding
@@ -45,7 +45,7 @@ def small(model: str, *overrides: str) -> Case:
 
 def files(fmu: Fmu, case: Case) -> dict[str, Path]:
     """FMUs of a case, up to date."""
-    return {name: fmu(name) for name in ("structure", "aero", *slosh.needed([case.slosh.model]))}
+    return {name: fmu(name) for name in ("structure", "aero", *fuel_tank.needed([case.slosh.model]))}
 
 
 def system_of(assembly: Assembly, fmu: Fmu) -> tuple[System, dict[str, Path]]:

@@ -17,20 +17,22 @@ from xml.etree import ElementTree as ET
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
-from master import cli
-from master.case import Coupling
-from master.component import Component
-from master.errors import AeroSloshError, ExitCode
-from master.hosts import ssp, ssp_system, ssp_units
-from master.hosts.ssp_system import Coupled, Part
-from master.rig import FlutterRig
-from master.scheme import PREDICTIONS
-from master.similarity import scales
+from aeroslosh.master import cli
+from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.case.case import Coupling
+from aeroslosh.master.case.scales import scales
+from aeroslosh.master.cosim.assemble import PREDICTIONS
+from aeroslosh.master.flutter.setup import FlutterRig
+from aeroslosh.master.fmi.component import Component
+from aeroslosh.master.ssp import archive as ssp_archive
+from aeroslosh.master.ssp import system as ssp_system
+from aeroslosh.master.ssp import units as ssp_units
+from aeroslosh.master.ssp.system import Coupled, Part
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import ROOT, SMALL, Fmu, files, small
 
-NS = {prefix: f"{{{uri}}}" for prefix, uri in ssp.SPACES.items()}
+NS = {prefix: f"{{{uri}}}" for prefix, uri in ssp_archive.SPACES.items()}
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +67,7 @@ def values(content: dict[str, bytes], component: str) -> dict[str, tuple[str, st
 def test_content(coupled: Coupled, tmp_path: Path) -> None:
     """The files, FMUs byte for byte, and both kinds of description valid by the schemas of SSP 1.0."""
     path = tmp_path / "a.ssp"
-    ssp.write(coupled, path)
+    ssp_archive.write(coupled, path)
     content = unpacked(path.read_bytes())
     names = ["aero.fmu", "aero.ssv", "slosh.ssv", "slosh_ems.fmu", "structure.fmu", "structure.ssv"]
     wanted = ["SystemStructure.ssd", "extra/aeroslosh/settings.toml", *(f"resources/{name}" for name in names)]
@@ -84,7 +86,7 @@ def test_values(coupled: Coupled) -> None:
     """Numbers that a person can check: Isogai's ratios, the frozen liquid (800 kg/m3 in half of 0.5 m x 0.15 m), the trim."""
     case = small("ems")
     s = scales(case, 0.8, 0.7)
-    content = unpacked(ssp.archive(coupled))
+    content = unpacked(ssp_archive.archive(coupled))
     structure, aero, tank = (values(content, name) for name in ("structure", "aero", "slosh"))
     mass = 60.0 * math.pi * 101325.0 / (287.05 * 288.15)
     assert float(structure["mass"][1]) == pytest.approx(mass, rel=1e-12) and structure["mass"][2] == "kg/m"
@@ -100,7 +102,7 @@ def test_values(coupled: Coupled) -> None:
 def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None:
     """A fresh FMU with the archive's values has every parameter that the master's own has, but for the prediction of inputs."""
     case = small("ems")
-    content = unpacked(ssp.archive(coupled))
+    content = unpacked(ssp_archive.archive(coupled))
     with FlutterRig(case, files(fmu, case), 0.8) as rig:
         rig.start(0.7)
         for part in coupled.parts:
@@ -115,7 +117,7 @@ def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None
 
 def test_units(coupled: Coupled) -> None:
     """Every Real has a unit that is defined in its own file, by base units; both ends of a connection have the same."""
-    content = unpacked(ssp.archive(coupled))
+    content = unpacked(ssp_archive.archive(coupled))
     root = ET.fromstring(content["SystemStructure.ssd"])
     for tree in (root, *(ET.fromstring(content[f"resources/{part.name}.ssv"]) for part in coupled.parts)):
         defined = {unit.get("name") for unit in tree.iter(f"{NS['ssc']}Unit")}
@@ -139,7 +141,7 @@ def test_units(coupled: Coupled) -> None:
 
 def test_step_and_origin(coupled: Coupled) -> None:
     """Where the step stands, and what the archive says of where it comes from."""
-    content = unpacked(ssp.archive(coupled))
+    content = unpacked(ssp_archive.archive(coupled))
     root = ET.fromstring(content["SystemStructure.ssd"])
     s = scales(small("ems"), 0.8, 0.7)
     assert coupled.dt == pytest.approx(s.dt, abs=0.5e-9) and coupled.dt * 1e9 == pytest.approx(round(coupled.dt * 1e9), abs=1e-6)
@@ -160,15 +162,15 @@ def test_step_and_origin(coupled: Coupled) -> None:
 def test_step_is_not_cut_short() -> None:
     """libcosim cuts off what is below a nanosecond of the number it reads."""
     for count in [*range(1000000, 1000200), 872665, 1455168, 10_000_000, 333_333_333]:
-        assert int(ssp._not_cut_short(count / 1e9) * 1e9) == count
+        assert int(ssp_archive._not_cut_short(count / 1e9) * 1e9) == count
 
 
 def test_same_system_same_bytes(coupled: Coupled, fmu: Fmu) -> None:
     """Two exports are one file; another V_f is another."""
     case = small("ems")
-    assert ssp.archive(coupled) == ssp.archive(ssp_system.from_case(case, files(fmu, case)))
+    assert ssp_archive.archive(coupled) == ssp_archive.archive(ssp_system.from_case(case, files(fmu, case)))
     other = small("ems", "flutter.V_f=0.71")
-    assert ssp.archive(coupled) != ssp.archive(ssp_system.from_case(other, files(fmu, other)))
+    assert ssp_archive.archive(coupled) != ssp_archive.archive(ssp_system.from_case(other, files(fmu, other)))
 
 
 def test_command(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -226,9 +228,9 @@ def test_two_fmus_of_one_name(coupled: Coupled) -> None:
     a, b, c = coupled.parts
     first, second = (Part(n, Path(f"{n}/x.fmu"), sha, p.description, {}) for n, sha, p in (("a", "1", a), ("b", "2", b)))
     twice = Coupled("n", "", [first, second], [], 0.0, 1e-3, 1, "", [])
-    assert [ssp._source(p, twice) for p in twice.parts] == ["resources/a.fmu", "resources/b.fmu"]
+    assert [ssp_archive._source(p, twice) for p in twice.parts] == ["resources/a.fmu", "resources/b.fmu"]
     same = Coupled("n", "", [first, Part("c", Path("c/x.fmu"), "1", c.description, {})], [], 0.0, 1e-3, 1, "", [])
-    assert {ssp._source(p, same) for p in same.parts} == {"resources/x.fmu"}
+    assert {ssp_archive._source(p, same) for p in same.parts} == {"resources/x.fmu"}
 
 
 def test_one_name_for_two_units(coupled: Coupled) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from master.hosts import ssp, ssp_system
+from aeroslosh.master.ssp import archive, system
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import ROOT, Fmu, files, small
@@ -23,7 +23,7 @@ def folder(fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with wing.ssp, on a coarse mesh."""
     case = small("ems")
     place = tmp_path_factory.mktemp("docs")
-    ssp.write(ssp_system.from_case(case, files(fmu, case)), place / "wing.ssp")
+    archive.write(system.from_case(case, files(fmu, case)), place / "wing.ssp")
     return place
 
 

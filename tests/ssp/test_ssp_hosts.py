@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from master import assembly as assemblies
-from master.case import Case
-from master.hosts import ssp, ssp_system
-from master.hosts.ssp_system import Coupled
-from master.rig import FlutterRig
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.cosim import system_file as assemblies
+from aeroslosh.master.flutter.setup import FlutterRig
+from aeroslosh.master.ssp import archive as ssp_archive
+from aeroslosh.master.ssp import system as ssp_system
+from aeroslosh.master.ssp.system import Coupled
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import (
@@ -88,7 +89,7 @@ def exported(case: Case, fmu: Fmu, folder: Path, sizes: Sizes = even) -> Exporte
     """A flutter case as an archive, and marched."""
     fmus = files(fmu, case)
     coupled = ssp_system.from_case(case, fmus)
-    ssp.write(coupled, folder / "case.ssp")
+    ssp_archive.write(coupled, folder / "case.ssp")
     signals = MOTION + LOADS + (SLOSH if case.slosh.model != "none" else ())
     with FlutterRig(case, fmus, case.flow.mach) as rig:
         rig.start(case.flutter.V_f)
@@ -129,7 +130,7 @@ def start(text: str, fmu: Fmu, folder: Path, steps: int) -> Exported:
     coupled = ssp_system.from_assembly(assembly, found)
     march = marched(system, even(coupled, steps), STAND, assembly.coupling.predictor_order)
     system.close()
-    ssp.write(coupled, folder / "starts.ssp")
+    ssp_archive.write(coupled, folder / "starts.ssp")
     return Exported(folder / "starts.ssp", coupled, STAND, march)
 
 

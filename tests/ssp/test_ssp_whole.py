@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from master import history
+from aeroslosh.master.results import history_file
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import ROOT, Fmu, Host, difference, files, small
@@ -33,19 +33,17 @@ def run(fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[
     words = [str(ROOT / "cases" / "paper_s.toml"), "--slosh", "ems", "--fmus", str(folder / "fmus"), *JACOBI]
 
     def command(*arguments: str) -> str:
-        done = subprocess.run([sys.executable, "-m", "master.cli", *arguments], capture_output=True, text=True, cwd=ROOT)
+        done = subprocess.run([sys.executable, "-m", "aeroslosh", *arguments], capture_output=True, text=True, cwd=ROOT)
         assert done.returncode in (0, 4), done.stderr  # 4: linear slosh does not hold at 1 degree, the numbers are the same
         return done.stdout
 
     # once short: freshly compiled kernels may differ from kept ones in the last bit
     short = ["--set", "flutter.forced_cycles=0.1", "--set", "flutter.forced_ramp_cycles=0.1", "--set", "flutter.free_cycles=0.6"]
     flags = ["--no-pictures", "--quiet"]
-    subprocess.run(
-        [sys.executable, "-m", "master.cli", "point", *words, *short, *flags, "--out", str(folder / "short")], cwd=ROOT
-    )
+    subprocess.run([sys.executable, "-m", "aeroslosh", "point", *words, *short, *flags, "--out", str(folder / "short")], cwd=ROOT)
     command("point", *words, *flags, "--out", str(folder / "point"))
     said = json.loads(command("export", "ssp", *words, "--out", str(folder / "wing.ssp"), "--json"))
-    (record,) = history.read(folder / "point" / "history.nc")
+    (record,) = history_file.read(folder / "point" / "history.nc")
     return folder / "wing.ssp", said, np.array([record.values[name] for name in SIGNALS.values()]).T
 
 

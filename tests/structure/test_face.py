@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmus.structure.fmu import Structure
-from fmus.structure.section import Section, SectionData
+from aeroslosh.fmus.structure.fmu import Structure
+from aeroslosh.fmus.structure.section import Section, SectionData
 
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot", "energy")
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from fmus.structure.protocol import ForcedPitch, Run
-from fmus.structure.section import Array, Section, SectionData
+from aeroslosh.fmus.structure.protocol import ForcedPitch, Run
+from aeroslosh.fmus.structure.section import Array, Section, SectionData
 
 FORCED = ForcedPitch(amplitude=0.02, frequency=100.0, cycles=2.0, ramp_cycles=1.0)
 PERIOD = 2.0 * math.pi / 100.0

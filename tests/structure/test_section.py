@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import eig
 
-from fmus.structure.protocol import ForcedPitch, Run
-from fmus.structure.section import Array, Section, SectionData, SectionError
+from aeroslosh.fmus.structure.protocol import ForcedPitch, Run
+from aeroslosh.fmus.structure.section import Array, Section, SectionData, SectionError
 
 DAMPED = SectionData(
     damping_ratio_h=0.02,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from fmus.tank.motion import AGREEMENT, SectionMotion, at, course
+from aeroslosh.fmus.tank.motion import AGREEMENT, SectionMotion, at, course
 
 STEP = 0.02
 COORDINATES = {"h": 0, "alpha": 3, "x": 6}

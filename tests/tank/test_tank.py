@@ -11,10 +11,10 @@ import math
 import numpy as np
 import pytest
 
-from fmus.tank.liquid import Tank, TankError
-from fmus.tank.modes import lid_inertia, modes, stokes_damping
-from fmus.tank.motion import SectionMotion, body_force
-from fmus.tank.potential import pitch_force, pitch_inertia, surge_mass
+from aeroslosh.fmus.tank.liquid import Tank, TankError
+from aeroslosh.fmus.tank.modes import lid_inertia, modes, stokes_damping
+from aeroslosh.fmus.tank.motion import SectionMotion, body_force
+from aeroslosh.fmus.tank.potential import pitch_force, pitch_inertia, surge_mass
 
 TANK = Tank(length=0.5, height=0.15, density=1.0 / 0.0375)  # one kilogram of liquid
 

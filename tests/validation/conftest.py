@@ -25,7 +25,7 @@ def aeroslosh(tmp_path_factory: pytest.TempPathFactory, fmu: Callable[[str], Pat
 
     def run(*arguments: str) -> dict[str, Any]:
         folder = tmp_path_factory.mktemp("run") / "out"
-        command = [sys.executable, "-m", "master.cli", arguments[0], "cases/isogai_a.toml", *arguments[1:], "--json"]
+        command = [sys.executable, "-m", "aeroslosh", arguments[0], "cases/isogai_a.toml", *arguments[1:], "--json"]
         command += ["--no-pictures", "--out", str(folder), "--fmus", str(fmus)]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         assert done.returncode in (0, 4), done.stderr

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.aero.control import Settings
-from fmus.aero.field import Motion
-from fmus.aero.loads import pressure_coefficient
-from fmus.aero.march import Flow
-from fmus.aero.mesh import o_mesh
+from aeroslosh.fmus.aero.control import Settings
+from aeroslosh.fmus.aero.field import Motion
+from aeroslosh.fmus.aero.loads import pressure_coefficient
+from aeroslosh.fmus.aero.march import Flow
+from aeroslosh.fmus.aero.mesh import o_mesh
 
 pytestmark = pytest.mark.validation
 DATA = Path(__file__).resolve().parents[1] / "data"

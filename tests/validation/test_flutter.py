@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from master.damping import analyse
+from aeroslosh.master.analysis.damping import analyse
 
 pytestmark = pytest.mark.validation
 DATA = Path(__file__).resolve().parents[1] / "data"

@@ -25,7 +25,7 @@ def curve(fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) 
 
     def run(model: str) -> list[dict[str, Any]]:
         folder = tmp_path_factory.mktemp("run") / "out"
-        command = [sys.executable, "-m", "master.cli", "boundary", "cases/paper_s.toml", "--mach", "0.7", "0.8", "--slosh", model]
+        command = [sys.executable, "-m", "aeroslosh", "boundary", "cases/paper_s.toml", "--mach", "0.7", "0.8", "--slosh", model]
         command += ["--json", "--no-pictures", "--out", str(folder), "--fmus", str(fmus)]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         assert done.returncode in (0, 4), done.stderr  # 4: linear slosh does not hold at 1 degree

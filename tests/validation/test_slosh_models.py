@@ -37,7 +37,7 @@ def table(path: Path, omega: float, rise: float, duration: float, step: float, s
 
 
 def drive(fmu: Path, motion: Path, out: Path, settings: dict[str, object]) -> np.ndarray:
-    command = [sys.executable, "-m", "master.cli", "drive", str(fmu), "--input", str(motion), "--out", str(out), "--json"]
+    command = [sys.executable, "-m", "aeroslosh", "drive", str(fmu), "--input", str(motion), "--out", str(out), "--json"]
     for name, value in settings.items():
         command += ["--set", f"{name}={value}"]
     done = subprocess.run([*command, "--no-pictures"], cwd=ROOT, capture_output=True, text=True)

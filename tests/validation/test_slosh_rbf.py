@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.slosh_rbf import dataset, plan, study
-from fmus.slosh_rbf.network import load
-from fmus.slosh_rbf.surrogate import Surrogate
-from master.tank_records import Drive
+from aeroslosh.fmus.slosh_rbf.network import load
+from aeroslosh.fmus.slosh_rbf.surrogate import Surrogate
+from aeroslosh.fmus.slosh_rbf.training import dataset, plan, study
+from aeroslosh.master.training.tank_records import Drive
 
 pytestmark = pytest.mark.validation
 ROOT = Path(__file__).resolve().parents[2]
@@ -71,7 +71,7 @@ def march(model: str, amplitude: float, V_f: float, out: Path) -> dict[str, floa
     words = [
         sys.executable,
         "-m",
-        "master.cli",
+        "aeroslosh",
         "point",
         "cases/paper_s.toml",
         "--slosh",

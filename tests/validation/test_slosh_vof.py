@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from aeroslosh.fmus.slosh_ems.linear import LinearSlosh
+from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
+from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
+from aeroslosh.fmus.tank.motion import course
 from benchmarks.interfoam import from_section
-from fmus.slosh_ems.linear import LinearSlosh
-from fmus.slosh_vof.flow import Flow, Fluids, Numerics
-from fmus.slosh_vof.grid import Grid
-from fmus.tank.liquid import Tank
-from fmus.tank.modes import modes
-from fmus.tank.motion import course
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "slosh_vof"))
 from motions import REST, Course, harmonic, march, random

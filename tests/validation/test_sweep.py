@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from master import case as cases
-from master.sweeps import parameters, plan
-from master.sweeps.jobs import Job
-from master.sweeps.workers import Worker
+from aeroslosh.master.case import case as cases
+from aeroslosh.master.sweeps import parameters, plan
+from aeroslosh.master.sweeps.jobs import Job
+from aeroslosh.master.sweeps.workers import Worker
 
 pytestmark = pytest.mark.validation
 CASE = Path(__file__).parents[2] / "cases" / "paper_s.toml"

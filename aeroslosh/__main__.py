@@ -1,0 +1,5 @@
+"""`python -m aeroslosh`: the command line."""
+
+from .master.cli import main
+
+main()

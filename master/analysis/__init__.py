@@ -1,0 +1,1 @@
+"""What signals and growth rates say, as numbers alone: exponentials, verdict, crossings."""

@@ -1,0 +1,1 @@
+"""What every room stands on: errors, settings, files, texts, streams. Knows no FMU."""

@@ -1,0 +1,1 @@
+"""The search for every neutral V_f: which march next, confirmation, uncertainty."""

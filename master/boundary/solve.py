@@ -1,0 +1,53 @@
+"""The neutral V_f of a case's Mach numbers: a rig a Mach number, the strategy the case names, every march watched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..case.case import Case
+from ..flutter import march as flutter_march
+from ..flutter.march import March
+from ..flutter.setup import FlutterRig
+from . import strategy as boundary_strategy
+from .search import BoundaryPoint, Marcher, boundary
+
+
+def solve(
+    case: Case,
+    fmus: dict[str, Path],
+    say: Callable[[str], None],
+    on_point: Callable[[BoundaryPoint], None] = lambda point: None,
+    on_march: Callable[[FlutterRig, March], None] = lambda rig, march: None,
+    before_march: Callable[[FlutterRig, float], flutter_march.Watcher | None] = lambda rig, V_f: None,
+    on_rig: Callable[[FlutterRig], None] = lambda rig: None,
+    section_file: Callable[[], Path | None] = lambda: None,
+) -> list[BoundaryPoint]:
+    """All Mach numbers of `case.boundary`.
+
+    `on_rig` sees each rig, `before_march` gives the watcher of a march's steps, `on_march` and `on_point` see what
+    is done; `section_file` says where a rig writes its section for a picture. Raises AeroSloshError
+    (not ComponentError: a failing component is an outcome of its Mach number)."""
+    rigs: dict[float, FlutterRig] = {}
+
+    def open_rig(of: Case, mach: float, section: Path | None = None) -> FlutterRig:
+        return FlutterRig(of, fmus, mach, None, say, section)
+
+    def marcher_at(mach: float) -> tuple[Marcher, Any]:
+        rigs.clear()
+        rig = rigs[mach] = open_rig(case, mach, section_file())
+        on_rig(rig)
+
+        def marcher(V_f: float) -> March:
+            march = flutter_march.march(rig, V_f, None, before_march(rig, V_f))
+            on_march(rig, march)
+            return march
+
+        return marcher, rig.close
+
+    b = case.boundary
+    strategy = boundary_strategy.Confirm(case, rigs.__getitem__, open_rig, say, b.method == "both")
+    return boundary(
+        marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, on_point, strategy
+    )

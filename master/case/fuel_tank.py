@@ -1,0 +1,144 @@
+"""The liquid in the flutter set-up: which FMU computes it, its settings, and how its load reaches the structure.
+
+Two ways lead to the same equations of motion. split "frozen": the structure carries the frozen liquid on its left side
+(`liquid_*`) and takes the residual loads, which are small: one pass is enough. split "none": a dry structure takes the whole
+loads; their inertia part must be lagged or iterated. The model "frozen" is the left side alone: the liquid's constants come from
+the slosh FMU at rest, which is then not stepped. Whatever load the liquid has at rest is trimmed out, like the steady lift.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import AeroSloshError
+from ..fmi.component import Component
+from . import case as cases
+
+FMU = {"frozen": "slosh_ems", "ems": "slosh_ems", "rbf": "slosh_rbf", "vof": "slosh_vof"}  # model → FMU
+LABEL = {"none": "dry", "frozen": "frozen liquid", "ems": "linear slosh (EMS)", "rbf": "slosh (RBF)", "vof": "slosh (VOF)"}
+LOADS = {"frozen": ("force_y_residual", "moment_residual"), "none": ("force_y", "moment")}  # split → outputs that are wired
+MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
+CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
+EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold
+CASE_ONLY = ("model", "predictor", "split")  # keys of the table [slosh] that are no parameters of an FMU
+
+
+def needed(models: Sequence[str]) -> tuple[str, ...]:
+    """The FMUs that models of the liquid need beside structure and aero."""
+    return tuple(FMU[model] for model in models if model in FMU)
+
+
+def holds(validity: float | None) -> bool:
+    """Whether a model with this validity holds; one that tells nothing (dry, frozen, two-phase flow) is taken to."""
+    return validity is None or validity <= EDGE
+
+
+def broken(validity: float) -> str:
+    """What a validity above the edge means, in words."""
+    return f"the slosh model does not hold (validity {validity:.3g}, edge {EDGE:g})"
+
+
+def wiring(split: str) -> list[str]:
+    """Wires between the components `structure` and `slosh`."""
+    force, moment = LOADS[split]
+    back = [f"slosh.{force} -> structure.slosh_force_y", f"slosh.{moment} -> structure.slosh_moment"]
+    return [f"structure.{name} -> slosh.{name}" for name in MOTION] + back
+
+
+def parameters(settings: cases.Slosh, known: dict[str, Any]) -> dict[str, float | int | bool | str]:
+    """The FMU's parameters among the keys of [slosh]: those it has (`known`), but "auto" leaves its own value."""
+    values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings) if f.name not in CASE_ONLY}
+    return {name: value for name, value in values.items() if value != "auto" and name in known}
+
+
+@dataclass(frozen=True)
+class Liquid:
+    """The frozen liquid per metre of span, about the elastic axis."""
+
+    mass: float  # [kg/m]
+    static_moment: float  # [kg]
+    inertia: float  # [kg m]
+    stiffness: float  # [N/rad]
+
+    def matrices(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mass and stiffness matrix of (h, alpha) [kg/m, kg, kg m; N/rad]. Shapes: (2, 2), (2, 2)."""
+        M = np.array([[self.mass, self.static_moment], [self.static_moment, self.inertia]])
+        return M, np.diag([0.0, self.stiffness])
+
+
+class Tank:
+    """The slosh FMU of a case. `model` may not be "none".
+
+    liquid   what the structure carries, or would carry frozen
+    carried  parameters of the structure: `liquid_*`, or none with split "none"
+    rest     (force up [N/m], moment nose-up [N]) of the wired loads at rest, to be trimmed out
+    moving   the component to step, named "slosh"; None for the model "frozen"
+    surrogate  the cheaper model that predicts it, named "slosh_predictor"; None without
+    validity   what the FMU tells of its validity at rest; None where it tells none
+    Raises ComponentError when the FMU fails, AeroSloshError when it is none of a slosh model."""
+
+    def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
+        path, self._settings = fmus[FMU[settings.model]], settings
+        self.moving: Component | None = None
+        self.surrogate: Component | None = None
+        try:
+            self._open(settings, fmus, path)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, settings: cases.Slosh, fmus: dict[str, Path], path: Path) -> None:
+        """The instances, and what the liquid says of itself at rest."""
+        component = self.moving = Component(path, "slosh")
+        missing = [name for name in (*CARRIED, *LOADS["none"], *LOADS["frozen"]) if name not in component.output_index]
+        if missing:
+            raise AeroSloshError(
+                f"{path.name} has no Real output {', '.join(missing)}", str(path), "give an FMU of a slosh model"
+            )
+        self._parameters = parameters(settings, component.variables)
+        component.set_all(self._parameters)
+        component.initialize()
+        self.liquid = Liquid(*(component.get(name) for name in CARRIED))
+        split = "frozen" if settings.model == "frozen" else settings.split
+        self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
+        force, moment = LOADS[split]
+        self.rest = (component.get(force), component.get(moment))
+        tells = settings.model != "frozen" and "validity" in component.output_index
+        self.validity = component.get("validity") if tells else None
+        self.sha256 = component.sha256
+        if settings.predictor != "none" and settings.model != "frozen":
+            self.surrogate = Component(fmus[FMU[settings.predictor]], "slosh_predictor")
+            self._surrogate_parameters = parameters(settings, self.surrogate.variables)
+            self.surrogate.set_all(self._surrogate_parameters)
+        if settings.model == "frozen":  # its constants are all there is to it: the load at rest is the weight, held by the trim
+            component.close()
+            self.moving, self.rest = None, (0.0, 0.0)
+
+    @property
+    def static_stiffness(self) -> float:
+        """Pitch stiffness of the liquid at rest [N/rad per metre of span]; one that moves keeps its surface level, which takes
+        rho g L^3 w / 12 of it, as in a ship's tank."""
+        s = self._settings
+        level = 0.0 if s.model == "frozen" else s.liquid_density * s.gravity * s.tank_length**3 * s.tank_width / 12.0
+        return self.liquid.stiffness - level
+
+    def close(self) -> None:
+        """Free the instances."""
+        for component in (self.moving, self.surrogate):
+            if component is not None:
+                component.close()
+
+    def restart(self) -> None:
+        """A liquid at rest, to be initialised with the section."""
+        if self.moving is not None:
+            self.moving.restart()
+            self.moving.set_all(self._parameters)
+        if self.surrogate is not None:
+            self.surrogate.restart()
+            self.surrogate.set_all(self._surrogate_parameters)

@@ -1,0 +1,1 @@
+"""Systems of FMUs: wires, order, schemes, checkpoints. Knows no flutter."""

@@ -1,0 +1,1 @@
+"""One flutter point: set-up of the system, the march, what is recorded."""

@@ -1,0 +1,1 @@
+"""One FMU: unpack, load, set, step, log; a table driven through it."""

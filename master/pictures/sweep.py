@@ -1,0 +1,120 @@
+"""The picture of a sweep: growth rate (or neutral V_f) over what was swept, two keys of a grid as a map."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from .march import BLUE, GREEN, GREY, RED, STYLE, plt
+
+SHOWN = {
+    "point": ("growth_rate", "growth_rate_uncertainty", "growth rate $\\sigma/\\omega_\\alpha$"),
+    "boundary": ("V_f", "V_f_uncertainty", "neutral $V_f$"),
+}
+COLORS = {"damped": GREEN, "flutter": RED, "divergence": "#8c6bb1", "neutral": BLUE, "limit cycle": BLUE}
+PANELS = 6
+
+
+def draw(table: Sequence[dict[str, Any]], kind: str, names: Sequence[str], grid: bool) -> bytes | None:
+    """A PNG of `table` (rows of `sweep_results.flat`); None when there is nothing to draw."""
+    value, error, label = SHOWN[kind]
+    names = [*names, "mach"] if kind == "boundary" and "flow.mach" not in names else list(names)
+    names = [n for n in names if len({str(line[n]) for line in table}) > 1] or names[:1]
+    known = [line for line in table if line[value] is not None]
+    if not known:
+        return None
+    numbers = [n for n in names if all(_is_number(line[n]) for line in table)]
+    with plt.rc_context(STYLE):
+        if grid and len(names) == len(numbers) == 2:
+            figure, axis = plt.subplots(figsize=(6.6, 4.8), constrained_layout=True)
+            _map(axis, known, numbers, value, label)
+            _static(axis, [(line[numbers[0]], line[numbers[1]]) for line in table if line.get("verdict") == "divergence"])
+        else:
+            shown = names[:PANELS]
+            rows = -(-len(shown) // 2)
+            columns = min(2, len(shown))
+            figure, axes = plt.subplots(
+                rows, columns, figsize=(1.0 + 4.4 * columns, 0.6 + 3.4 * rows), squeeze=False, constrained_layout=True
+            )
+            for axis, name in zip(axes.flat, shown, strict=False):
+                _panel(axis, known, name, [n for n in names if n != name] if len(names) == 2 else [], value, error, label)
+            for axis in list(axes.flat)[len(shown) :]:
+                axis.set_visible(False)
+        picture = io.BytesIO()
+        figure.savefig(picture, format="png")
+    return picture.getvalue()
+
+
+def _map(axis: Axes, known: Sequence[dict[str, Any]], names: Sequence[str], value: str, label: str) -> None:
+    """Colours over two keys; points without a value stay white, neutral is drawn as a line."""
+    x, y = (sorted({line[n] for line in known}) for n in names)
+    z = np.full((len(y), len(x)), np.nan)
+    for line in known:
+        z[y.index(line[names[1]]), x.index(line[names[0]])] = line[value]
+    signed = value == "growth_rate"
+    most = float(np.nanmax(np.abs(z))) or 1.0
+    colors = {"cmap": "RdYlGn_r", "vmin": -most, "vmax": most} if signed else {"cmap": "viridis"}
+    mesh = axis.pcolormesh(x, y, z, shading="nearest", **colors)
+    axis.figure.colorbar(mesh, ax=axis, label=label)
+    if signed and min(z.shape) > 1 and np.isfinite(z).all() and z.min() < 0.0 < z.max():
+        axis.contour(x, y, z, levels=[0.0], colors="black", linewidths=1.2)
+    axis.plot([line[names[0]] for line in known], [line[names[1]] for line in known], ".", color="black", ms=2, alpha=0.4)
+    _cross(axis, [(line[names[0]], line[names[1]]) for line in known if line.get("slosh_holds") is False])
+    axis.set_xlabel(names[0])
+    axis.set_ylabel(names[1])
+    axis.grid(False)
+
+
+def _static(axis: Axes, places: Sequence[tuple[Any, Any]]) -> None:
+    """Triangles where the section diverges statically, with a growth rate or without."""
+    if places:
+        axis.plot(*zip(*places, strict=True), "^", color=COLORS["divergence"], ms=5, label="static divergence")
+        axis.legend(loc="upper left", fontsize=7)
+
+
+def _panel(
+    axis: Axes, known: Sequence[dict[str, Any]], name: str, others: Sequence[str], value: str, error: str, label: str
+) -> None:
+    """The value over one key; with one other key swept, a line for each of its values."""
+    words = not all(_is_number(line[name]) for line in known)
+    places = {word: i for i, word in enumerate(dict.fromkeys(str(line[name]) for line in known))}
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for line in known:
+        groups.setdefault(", ".join(f"{n.split('.')[-1]} {line[n]}" for n in others), []).append(line)
+    joined = len(groups) <= 8 and len(known) > len(groups)
+    for text, group in groups.items():
+        xs = np.array([places[str(line[name])] if words else float(line[name]) for line in group])
+        order = np.argsort(xs)
+        ys = np.array([line[value] for line in group])
+        bars = np.array([line[error] or 0.0 for line in group])
+        single = len(set(xs)) == len(xs) and joined and not words
+        if single:
+            axis.errorbar(xs[order], ys[order], yerr=2.0 * bars[order], fmt="-", lw=0.9, capsize=2, label=text or None)
+        for verdict in dict.fromkeys(line["verdict"] for line in group):
+            mine = [i for i, line in enumerate(group) if line["verdict"] == verdict]
+            axis.plot(xs[mine], ys[mine], "o", ms=4, color=COLORS.get(verdict, GREY))
+        if single and text:
+            axis.legend(fontsize=7)
+    doubtful = [line for line in known if line.get("slosh_holds") is False]
+    _cross(axis, [(places[str(line[name])] if words else float(line[name]), line[value]) for line in doubtful])
+    if words:
+        axis.set_xticks(list(places.values()), list(places))
+    if value == "growth_rate":
+        axis.axhline(0.0, color=GREY, lw=0.8)
+    axis.set_xlabel(name)
+    axis.set_ylabel(label)
+
+
+def _cross(axis: Axes, doubtful: Sequence[tuple[float, float]]) -> None:
+    """Mark the points that rest on a slosh model which does not hold: they have no verdict."""
+    if doubtful:
+        axis.plot(*zip(*doubtful, strict=True), "x", color="black", ms=8, mew=1.5, zorder=4)
+        axis.set_title("crossed: the slosh model does not hold, no verdict", fontsize=9)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,270 @@
+"""What a run leaves behind: one folder, complete or not there at all.
+
+Everything is written to a hidden folder beside the target, which is renamed at the end. A run folder
+already there is moved aside to `<name>.001`, `.002`, …; any other folder of that name is refused.
+  case.toml       the resolved case
+  result.json     the numbers of the command's JSON output, with provenance
+  history*.nc     netCDF-3 history of each march, every variable with `units` and `long_name`
+  run.log         what the run said, and the log messages of the FMUs
+  *.png, fields/  pictures and flow fields; fields.pvd opens them in ParaView
+"""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import errno
+import functools
+import hashlib
+import io
+import json
+import os
+import platform
+import shutil
+import sys
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from scipy.io import netcdf_file
+
+from ..base import disk, interrupts
+from ..base import files as base_files
+from ..base.errors import AeroSloshError
+from ..case.case import Case, dump
+from ..flutter.march import March
+from ..flutter.recorder import REALS
+from . import trust
+
+PACKAGES = ("aeroslosh", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
+UNITS = {  # history variables that are no FMU outputs
+    "time": ("s", "time since the start of the march"),
+    "tau": ("1", "dimensionless time omega_alpha t"),
+    "h_over_b": ("1", "plunge over half chord, positive down"),
+    "subiterations": ("1", "subiterations of the aero step"),
+    "passes": ("1", "passes over the components in the step"),
+}
+
+
+def provenance(fmus: dict[str, str]) -> dict[str, Any]:
+    """What is needed to repeat a number. `fmus`: component name → SHA-256."""
+    versions = {}
+    for package in PACKAGES:
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = "unknown"
+    return {
+        "versions": versions | {"python": platform.python_version()},
+        "master_sha256": source_hash(),
+        "fmu_sha256": fmus,
+        "command": " ".join(sys.argv),
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "host": platform.node(),
+        "cpu": _cpu(),
+    }
+
+
+@functools.cache
+def source_hash() -> str:
+    """SHA-256 over the master's own source files: between two releases the version alone does not tell what ran."""
+    digest = hashlib.sha256()
+    root = Path(__file__).resolve().parents[1]
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+class RunFolder:
+    """Context manager over the hidden folder `path`; renamed to `target` when the block ends well, or by `publish` before.
+
+    On an exception the hidden folder is removed, unless `keep()` was called: then what was written is published too. The
+    exception carries as a note what became of the folder; what the disk refused becomes an AeroSloshError (INCOMPLETE).
+    """
+
+    def __init__(self, target: Path) -> None:
+        self.target = target.absolute()
+        if (
+            self.target.exists()
+            and not (self.target / "case.toml").is_file()
+            and (not self.target.is_dir() or any(self.target.iterdir()))
+        ):
+            raise AeroSloshError(
+                "The output folder exists and holds something else than a run",
+                str(self.target),
+                "give another folder with --out, or remove it",
+            )
+        self.path = self.target.with_name(f".{self.target.name}.part-{os.getpid()}")
+        self._keep = False
+
+    def __enter__(self) -> RunFolder:
+        with self._writable():
+            interrupts.UNFINISHED.add(self.path)
+            shutil.rmtree(self.path, ignore_errors=True)
+            self.path.mkdir(parents=True)
+            self._log = (self.path / "run.log").open("w", encoding="utf-8")
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _t: TracebackType | None) -> None:
+        with contextlib.suppress(OSError):
+            self._log.close()
+        if error is None or self._keep:
+            self.publish()
+            if error is not None:
+                error.add_note(f"what was written is kept in {self.target}")
+        else:
+            self._remove(error)
+        if isinstance(error, OSError) and disk.of_disk(error):
+            kept = f" (what could be written is kept in {self.target})" if self._keep else ""
+            raise disk.explained(error, f"{error.filename or self.target}{kept}") from None
+
+    def keep(self) -> None:
+        """Publish the folder even when the run ends with an error."""
+        self._keep = True
+
+    def publish(self) -> None:
+        """Give the folder its name now: whatever happens from here on, what is in it stays. An earlier run there moves aside."""
+        if self.path == self.target:
+            return
+        while True:
+            try:
+                os.rename(self.path, self.target)
+                break
+            except OSError as error:  # an earlier run, or one that another process published this very moment
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+            self._move_aside()
+        interrupts.UNFINISHED.discard(self.path)
+        self.path, self._keep = self.target, True
+
+    def log(self, text: str) -> None:
+        """One entry in run.log; a full disk must not keep the user from reading it elsewhere."""
+        with contextlib.suppress(OSError):
+            self._log.write(f"{datetime.datetime.now().isoformat(timespec='milliseconds')}  {text}\n")
+            self._log.flush()
+
+    def write_case(self, case: Case) -> None:
+        """case.toml of a case. Raises AeroSloshError (INPUT)."""
+        self.write_settings(dump(case))
+
+    def write_settings(self, text: str) -> None:
+        """case.toml, before anything is computed. Raises AeroSloshError (INPUT)."""
+        with self._writable():
+            base_files.write(self.path / "case.toml", text.encode())
+
+    def write_result(self, result: dict[str, Any]) -> None:
+        """result.json, whole or as it was. Raises OSError."""
+        text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
+        base_files.write(self.path / "result.json", f"{text}\n".encode())
+
+    @contextlib.contextmanager
+    def _writable(self) -> Iterator[None]:
+        """What cannot be written at the start is an input that cannot be used."""
+        try:
+            yield
+        except OSError as error:
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise AeroSloshError(
+                f"The output folder cannot be written: {error.strerror}",
+                str(self.target),
+                "free space, or give another with --out" if error.errno in disk.FULL else "give another with --out",
+            ) from None
+
+    def _remove(self, error: BaseException) -> None:
+        shutil.rmtree(self.path, ignore_errors=True)
+        gone = not self.path.exists()
+        error.add_note("the unfinished run folder was removed" if gone else f"the unfinished {self.path} could not be removed")
+        if gone:
+            interrupts.UNFINISHED.discard(self.path)
+
+    def _move_aside(self) -> None:
+        for number in range(1, 1000):
+            aside = self.target.with_name(f"{self.target.name}.{number:03d}")
+            if aside.exists():
+                continue
+            try:
+                os.rename(self.target, aside)
+                return
+            except FileNotFoundError:  # another process moved it
+                return
+            except OSError as error:  # another process took this number
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+        else:
+            raise AeroSloshError(f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones")
+
+
+def write_history(path: Path, march: March, about: dict[str, Any]) -> None:
+    """netCDF-3 history of `march` with the provenance `about` as global attributes."""
+    with written(path) as file:
+        put_march(file, march)
+        put_attributes(file, march_attributes(march) | about)
+
+
+@contextlib.contextmanager
+def written(path: Path) -> Iterator[netcdf_file]:
+    """A netCDF-3 file to fill; it lies at `path` whole or not at all. Raises OSError."""
+    buffer = io.BytesIO()
+    file = netcdf_file(buffer, "w")
+    yield file
+    file.flush()
+    base_files.write(path, buffer.getvalue())
+
+
+def put_march(file: netcdf_file, march: March, prefix: str = "") -> None:
+    """The channels of `march` as variables over the dimension `time`, the names of all with `prefix`."""
+    file.createDimension(f"{prefix}time", march.tau.size)
+    for name, values in march.history.items():
+        unit, long_name = UNITS[name] if name in UNITS else REALS[name][2:]
+        variable = file.createVariable(prefix + name, "f8", (f"{prefix}time",))
+        variable[:] = values
+        variable.units = unit
+        variable.long_name = long_name
+
+
+def march_attributes(march: March) -> dict[str, Any]:
+    """What a history says of its march."""
+    s = march.scales
+    return {
+        "title": f"aeroslosh march, Mach {s.mach:g}, V_f {s.V_f:g}",
+        "Conventions": "CF-1.8",
+        "mach": s.mach,
+        "V_f": s.V_f,
+        "omega_alpha": s.omega_alpha,
+        "half_chord": s.half_chord,
+        "speed": s.speed,
+        "density": s.density,
+        "mass": s.mass,
+        "steps_per_cycle": s.steps_per_cycle,
+        "release_index": march.release,
+        "verdict": str(trust.verdict(march)),
+        "reason": march.reason,
+        "failure": march.failure.what if march.failure else "",
+        "stopped": march.stopped,
+        "slosh": march.slosh,
+    }
+
+
+def put_attributes(file: netcdf_file, attributes: dict[str, Any]) -> None:
+    """Global attributes: numbers and texts as they are, tables as JSON; empty texts are left out."""
+    for name, value in attributes.items():
+        if isinstance(value, dict):
+            value = json.dumps(value)
+        if value != "":
+            setattr(file, name, np.float64(value) if isinstance(value, float) else _ascii(value))
+
+
+def _ascii(value: Any) -> Any:
+    """Attributes as netCDF-3 holds them: numbers, or bytes of UTF-8."""
+    return value if isinstance(value, (int, float)) else str(value).encode("utf-8")
+
+
+def _cpu() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()

@@ -1,0 +1,1 @@
+"""Cases and system files as SSP archives."""

@@ -1,0 +1,1 @@
+"""The surrogate's training case, records and report."""
