@@ -33,6 +33,7 @@ from .root_loci import Loci
 STEP = 0.4  # half chords of travel a step, as in a march
 SWEEP, REST = 240.0, 40.0  # length of a sweep and of the rest after it, half chords
 LOWEST, BAND = 0.02, 1.0  # reduced frequencies swept
+SLOWEST_KNOWN = LOWEST / 4.0  # reduced frequency of which a sweep and its rest hold less than a quarter of a period
 CHECK = 150.0  # length of the motion that is not fitted
 ORDER = 8  # poles
 SLOWEST, FASTEST = 0.02, 2.0  # rates of the poles first guessed, per half chord
@@ -136,14 +137,15 @@ class LinearModel:
     def crossings(self, low: float, high: float) -> list[LinearCrossing]:
         """All neutral V_f in [low, high] at reduced frequencies that the model knows, in rising order.
 
-        One below the lowest frequency swept counts when the smaller model has it too: else it is the fit's, not the flow's."""
+        One below the lowest frequency swept counts when the smaller model has it too and it is not far below: else it is the
+        fit's, not the flow's (beside divergence the slow poles of a fit make one)."""
         others = self._loci(self.smaller, low, high).neutral
         found = []
         for n in self.loci(low, high).neutral:
             k = n.frequency / _per_omega_alpha(self.case, n.value)
             alike = [o for o in others if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency]
             same = [abs(o.value - n.value) for o in alike if abs(o.value / n.value - 1.0) < NEAR]
-            if k <= BAND and (k >= LOWEST or same):
+            if k <= BAND and (k >= LOWEST or (same and k >= SLOWEST_KNOWN)):
                 doubt = min(same, default=0.1 * n.value)
                 found.append(LinearCrossing(n.value, n.frequency, n.direction, n.slope, n.branch, k, doubt))
         static = self.divergence()

@@ -100,7 +100,7 @@ def test_an_interrupted_point_says_what_became_of_its_folder(flutter_fmus: Path,
 SECOND = """
 import os, signal, sys, time
 from pathlib import Path
-from master import interrupts
+from aeroslosh.master.base import interrupts
 signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background have it ignored
 interrupts.install()
 left = Path(sys.argv[1])
@@ -127,7 +127,7 @@ def test_a_second_interrupt_ends_at_once_and_tells_what_is_left(tmp_path: Path, 
 
 
 def test_signals_that_are_ignored_stay_ignored() -> None:
-    code = "import signal; from master import interrupts; interrupts.install(); print(signal.getsignal(signal.SIGINT).name)"
+    code = "import signal; from aeroslosh.master.base import interrupts; interrupts.install(); print(signal.getsignal(signal.SIGINT).name)"
     shell = ["sh", "-c", 'trap "" INT; exec "$@"', "sh", sys.executable, "-c", code]
     assert subprocess.run(shell, capture_output=True, text=True).stdout == "SIG_IGN\n"
 

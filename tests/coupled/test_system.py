@@ -193,11 +193,11 @@ def test_many_lives_of_one_component(doubles: Path) -> None:
 RACER = """
 import sys, time
 from pathlib import Path
-from master import fmu_cache
+from aeroslosh.master.fmi import unpack
 path, go = Path(sys.argv[1]), float(sys.argv[2])
 while time.time() < go:
     pass
-folder, _ = fmu_cache.unzip(path)
+folder, _ = unpack.unzip(path)
 # what a process was given stays whole, whoever comes later
 for _ in range(200):
     assert any(folder.glob("binaries/*/*")), "the binary is gone"

@@ -15,7 +15,7 @@ from aeroslosh.master.base.errors import AeroSloshError
 
 PRINTS = """
 import sys
-from master import cli
+from aeroslosh.master import cli
 def run(arguments):
     if "progress" in sys.argv:
         for _ in range(20000):
@@ -85,7 +85,7 @@ def test_what_a_disk_refuses_is_told_by_every_command(
 
 def test_closed_streams_are_not_given_to_files(tmp_path: Path) -> None:
     """The first file opened would get the number of standard output, and whatever a library prints."""
-    code = "import os\nfrom master import streams\nstreams.guard()\nprint(open('{}', 'w').fileno(), file=open('{}', 'w'))"
+    code = "from aeroslosh.master.base import streams\nstreams.guard()\nprint(open('{}', 'w').fileno(), file=open('{}', 'w'))"
     text = code.format(tmp_path / "a", tmp_path / "number")
     subprocess.run(["sh", "-c", '"$@" <&- >&- 2>&-', "sh", sys.executable, "-c", text], timeout=60)
     assert int((tmp_path / "number").read_text()) > 2
