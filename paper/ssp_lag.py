@@ -25,6 +25,7 @@ from aeroslosh.master.case.scales import scales
 from aeroslosh.master.cosim.scheme import Jacobi
 from aeroslosh.master.cosim.system import System
 from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter import span
 from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 from aeroslosh.master.fmi.component import Component
 from aeroslosh.master.ssp import system as ssp_system
@@ -63,7 +64,7 @@ def exported(case: Case, fmus: dict[str, Path], prediction: str) -> float:
             motion[:, step] = structure.get("h") / s.half_chord, structure.get("alpha")
     finally:
         system.close()
-    release = flutter_march.length(case, s)[0]
+    release = span.length(case, s)[0]
     tau = s.omega_alpha * coupled.dt * np.arange(coupled.steps + 1)
     return _rate(analyse(tau[release:], motion[:, release:]))
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..case.case import Case
+from ..cosim.loop import Watcher
 from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterRig
@@ -20,7 +21,7 @@ def solve(
     say: Callable[[str], None],
     on_point: Callable[[BoundaryPoint], None] = lambda point: None,
     on_march: Callable[[FlutterRig, March], None] = lambda rig, march: None,
-    before_march: Callable[[FlutterRig, float], flutter_march.Watcher | None] = lambda rig, V_f: None,
+    before_march: Callable[[FlutterRig, float], Watcher | None] = lambda rig, V_f: None,
     on_rig: Callable[[FlutterRig], None] = lambda rig: None,
     section_file: Callable[[], Path | None] = lambda: None,
 ) -> list[BoundaryPoint]:

@@ -16,13 +16,15 @@ from ..boundary import modes, solve
 from ..boundary.search import BoundaryPoint
 from ..case import fuel_tank
 from ..case.case import Case
+from ..cosim.loop import Watcher
 from ..cosim.progress import Progress
-from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterRig, find_fmus
 from ..results import summary as results_summary
 from ..results import trust
-from ..results.run_folder import RunFolder, provenance, write_history
+from ..results.history_writer import write_history
+from ..results.provenance import provenance
+from ..results.run_folder import RunFolder
 from . import common
 
 GRAVITY = (ExitCode.OK, ExitCode.UNDETERMINED, ExitCode.INPUT, ExitCode.INCOMPLETE, ExitCode.COMPONENT, ExitCode.INTERNAL)
@@ -159,7 +161,7 @@ def _solve(case: Case, fmus: dict[str, Path], kept: Kept, progress: Progress) ->
     """The points; each march said as it ends, each point kept."""
     folder = kept.folder
 
-    def before_march(rig: FlutterRig, V_f: float) -> flutter_march.Watcher:
+    def before_march(rig: FlutterRig, V_f: float) -> Watcher:
         progress.start(f"M {rig.mach:g} V_f {V_f:.4g}")
         return progress.watch
 

@@ -19,7 +19,9 @@ from ..flutter.setup import FlutterRig, find_fmus
 from ..fmi import unpack
 from ..results import summary as results_summary
 from ..results import trust
-from ..results.run_folder import RunFolder, provenance, write_history
+from ..results.history_writer import write_history
+from ..results.provenance import provenance
+from ..results.run_folder import RunFolder
 from . import common
 
 # what may differ from the checkpoint's: a march may grow

@@ -15,7 +15,9 @@ from ..cosim.progress import Progress
 from ..cosim.system_file import Assembly
 from ..cosim.system_run import Simulation
 from ..fmi import table_drive
-from ..results.run_folder import RunFolder, provenance
+from ..results.history_writer import write_simulation
+from ..results.provenance import provenance
+from ..results.run_folder import RunFolder
 from . import common
 
 
@@ -59,7 +61,7 @@ def execute(options: argparse.Namespace) -> int:
         text = _summary(assembly, data)
         folder.log(text)
         with common.printed(options, data, text, folder):
-            system_run.write_history(folder.path / "history.nc", result, about)
+            write_simulation(folder.path / "history.nc", result, about)
             folder.write_result(data | {"provenance": about})
             if assembly.run.pictures and not options.no_pictures:
                 _draw(folder.path / "histories.png", result)

@@ -15,7 +15,7 @@ from ..case import airfoils
 from ..case import case as cases
 from ..case.case import Case
 from ..flutter.setup import find_fmus
-from ..results.run_folder import provenance, source_hash
+from ..results.provenance import provenance, source_hash
 from ..sweeps import estimate, plan, sweep
 from ..sweeps.jobs import Job, Product
 from ..sweeps.parameters import Parameter, from_case, from_words

@@ -13,7 +13,8 @@ from typing import Any
 
 from ..base.errors import AeroSloshError, ExitCode
 from ..cosim.progress import Progress
-from ..results.run_folder import RunFolder, provenance
+from ..results.provenance import provenance
+from ..results.run_folder import RunFolder
 from ..training import case as training_case
 from ..training import report as training_report
 from ..training import tank_records

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import AeroSloshError
-from ..case.case import Coupling
 from ..fmi.component import Component
 from . import acceleration, ordering
+from .coupling_settings import Coupling
 from .implicit import Criteria, Implicit
-from .scheme import GaussSeidel, Jacobi, Scheme, StepReport
+from .scheme import GaussSeidel, Jacobi, Scheme, StepEnd, StepReport
 from .substeps import Pace
 from .system import System, Wire
 
@@ -91,13 +91,13 @@ class Statistics:
 
     def __init__(self) -> None:
         self.steps = self.passes = self.most = self.retried = 0
-        self.outcomes: Counter[str] = Counter()
+        self.outcomes: Counter[StepEnd] = Counter()
         self.unconverged: list[dict[str, Any]] = []
 
     @property
     def failed(self) -> int:
         """Steps that did not converge."""
-        return self.steps - self.outcomes["converged"]
+        return self.steps - self.outcomes[StepEnd.CONVERGED]
 
     def note(self, report: StepReport, time: float) -> None:
         """One step, which ended at `time` [s]."""
@@ -119,7 +119,7 @@ class Statistics:
             "passes_mean": self.passes / self.steps if self.steps else None,
             "passes_max": self.most,
             "retried_steps": self.retried,
-            "outcomes": dict(self.outcomes),
+            "outcomes": {str(k): n for k, n in self.outcomes.items()},
             "unconverged": self.unconverged,
         }
 
@@ -127,4 +127,4 @@ class Statistics:
         """Go on counting from `data` of an earlier part of the march."""
         self.steps, self.most, self.retried = data["steps"], data["passes_max"], data["retried_steps"]
         self.passes = data["passes"]
-        self.outcomes, self.unconverged = Counter(data["outcomes"]), list(data["unconverged"])
+        self.outcomes, self.unconverged = Counter({StepEnd(k): n for k, n in data["outcomes"].items()}), list(data["unconverged"])

@@ -10,7 +10,7 @@ import numpy as np
 from ..base.errors import AeroSloshError, ComponentError
 from ..fmi.component import Component, Saved
 from .acceleration import Acceleration, Aitken
-from .scheme import Predictor, StepReport
+from .scheme import Predictor, StepEnd, StepReport
 from .system import System
 
 CAUTIOUS = 0.5  # relaxation of a step tried again
@@ -56,7 +56,7 @@ class _Attempt:
     passes: int = 0
     change: float = np.inf
     worst: int = 0
-    outcome: str = "passes used up"
+    outcome: StepEnd = StepEnd.USED_UP
     best: float = np.inf
     guess: np.ndarray | None = None
 
@@ -122,7 +122,7 @@ class Implicit:
         self.predictor.push(system, dt)
         last = attempts[-1]
         passes, worst = sum(a.passes for a in attempts), self._sources[last.worst]
-        return StepReport(passes, last.change, last.outcome == "converged", last.outcome, len(attempts), worst)
+        return StepReport(passes, last.change, last.outcome, len(attempts), worst)
 
     def _attempts(self, system: System, carried: np.ndarray, dt: float, saved: list[tuple[Component, Saved]]) -> list[_Attempt]:
         """The first attempt and the retries; leaves the system at the end of the step."""
@@ -133,12 +133,12 @@ class Implicit:
             attempts.append(attempt)
             try:
                 self._iterate(system, carried, dt, saved, acceleration, attempt)
-            except ComponentError as error:  # perhaps the guess was wild: the next attempt is more careful
-                attempt.outcome = f"{error.component} failed"
+            except ComponentError:  # perhaps the guess was wild: the next attempt is more careful
+                attempt.outcome = StepEnd.FAILED
                 self.acceleration.reset()
                 if not left:
                     raise
-            if attempt.outcome == "converged":
+            if attempt.outcome is StepEnd.CONVERGED:
                 if acceleration is self.acceleration:
                     acceleration.end()
                 return attempts
@@ -174,7 +174,7 @@ class Implicit:
             result = system.wire_values()[lagged]
             residual = result - carried[lagged]
             if not np.isfinite(residual).all():
-                attempt.change, attempt.outcome = np.inf, "not a finite number"
+                attempt.change, attempt.outcome = np.inf, StepEnd.NOT_FINITE
                 self.acceleration.reset()
                 return
             np.maximum(self._scale, np.abs(result), out=self._scale)
@@ -184,13 +184,13 @@ class Implicit:
             over = np.abs(residual) - allowed
             attempt.change, attempt.worst = float(np.max(scaled)), int(np.argmax(np.where(over > 0.0, scaled, -1.0)))
             if np.all(over <= 0.0):
-                attempt.outcome = "converged"
+                attempt.outcome = StepEnd.CONVERGED
                 return
             if attempt.change < attempt.best:
                 attempt.best, attempt.guess = attempt.change, carried[lagged].copy()
             idle, progress = (0, attempt.change) if attempt.change < PROGRESS * progress else (idle + 1, progress)
             if idle >= criteria.stall:
-                attempt.outcome = "stalled"
+                attempt.outcome = StepEnd.STALLED
                 return
             if attempt.passes >= criteria.max_iterations:
                 return

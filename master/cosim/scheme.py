@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
@@ -19,22 +20,36 @@ from .model_predictor import Surrogate
 from .system import System
 
 
+class StepEnd(StrEnum):
+    """How the iteration of a step ended; the words of the JSON result."""
+
+    CONVERGED = "converged"
+    STALLED = "stalled"
+    USED_UP = "passes used up"
+    NOT_FINITE = "not a finite number"
+    FAILED = "a component failed"
+
+
 @dataclass(frozen=True)
 class StepReport:
     """What one step took.
 
     passes     over the components, of all attempts
     change     the last relative change of a lagged wire; the largest of them
-    converged  whether it was small enough; `outcome` says why not ("stalled", "passes used up")
+    outcome    how its last attempt ended
     attempts   1, and one for each retry
     worst      the wire with the largest change"""
 
     passes: int = 1
     change: float = 0.0
-    converged: bool = True
-    outcome: str = "converged"
+    outcome: StepEnd = StepEnd.CONVERGED
     attempts: int = 1
     worst: str = ""
+
+    @property
+    def converged(self) -> bool:
+        """Whether the change was small enough."""
+        return self.outcome is StepEnd.CONVERGED
 
 
 ONE_PASS = StepReport()

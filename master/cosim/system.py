@@ -139,6 +139,10 @@ class System:
         for stride in self.strides:
             stride.reset()
 
+    def output_names(self) -> list[str]:
+        """ "component.output" in the order of `values`."""
+        return [f"{c.name}.{name}" for c in self.components for name in c.outputs.names]
+
     def collect(self) -> None:
         """Read the outputs of all components into `values`."""
         for component, part in zip(self.components, self._slices, strict=True):

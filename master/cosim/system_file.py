@@ -24,9 +24,9 @@ from typing import Any
 from ..base import settings, texts, toml_text
 from ..base.errors import AeroSloshError
 from ..base.settings import key, rule
-from ..case.case import Coupling
 from ..fmi.component import Component
 from .assemble import assemble
+from .coupling_settings import Coupling
 from .system import System, wires
 
 

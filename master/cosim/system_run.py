@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import time as clock
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..base.errors import AeroSloshError, ComponentError
-from ..flutter.march import Watcher
-from ..results.run_folder import put_attributes, written
 from . import assemble as schemes
 from .assemble import Statistics
-from .checkpoint import Checkpoint, Keeper
+from .checkpoint import Arrays, Checkpoint, Keeper
+from .loop import Checkpoints, Cost, Counter, Finite, Loop, Meter, Observer, Watch, Watcher
+from .scheme import StepReport
 from .system import System
 from .system_file import Assembly
 
@@ -28,7 +26,7 @@ class Simulation:
     outputs    "component.output" → its values, each (n,); `passes` of each step; `units` of the outputs
     outcome    "completed", or why the run ended early; `converged` is False when a step did not converge
     failure    the component failure that ended it
-    cpu        seconds in each component; `wall`, `total_cpu` of the whole run"""
+    cost       seconds of the run"""
 
     time: np.ndarray
     outputs: dict[str, np.ndarray]
@@ -37,11 +35,26 @@ class Simulation:
     outcome: str
     converged: bool
     scheme: dict[str, Any]
-    cpu: dict[str, float]
-    wall: float
-    total_cpu: float
+    cost: Cost
     failure: ComponentError | None = None
     loops: list[list[str]] = field(default_factory=list)
+
+
+class _Recorder(Observer):
+    """Keeps every so many steps of all outputs. `values` (rows, n_outputs) and `passes` (rows,) are filled up to `taken`."""
+
+    def __init__(self, every: int, values: np.ndarray, passes: np.ndarray) -> None:
+        self._every, self.values, self.passes, self.taken = every, values, passes, 1
+
+    def after(self, loop: Loop, step: int, report: StepReport) -> None:
+        """One row, when it is time."""
+        if step % self._every == 0:
+            self.values[self.taken], self.passes[self.taken] = loop.system.values, report.passes
+            self.taken += 1
+
+    def rows(self) -> dict[str, np.ndarray]:
+        """What has been recorded."""
+        return {"values": self.values[: self.taken], "passes": self.passes[: self.taken]}
 
 
 def simulate(
@@ -51,11 +64,10 @@ def simulate(
     keeper: Keeper | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> Simulation:
-    """Run `system` (of `assembly.build`, instances fresh). `keeper` writes checkpoints, from `checkpoint` a run goes on.
+    """Run `system` (of `system_file.build`, instances fresh). `keeper` writes checkpoints, from `checkpoint` a run goes on.
 
     Raises AeroSloshError for settings that do not fit the system; a failing step is an outcome."""
-    begin = clock.perf_counter(), clock.process_time()
-    before = {c.name: c.cpu for c in system.everyone}
+    meter = Meter(system)
     run, steps, dt = assembly.run, assembly.steps, assembly.dt
     if checkpoint is not None:
         _check_restart(checkpoint, assembly)
@@ -66,54 +78,46 @@ def simulate(
     scheme.reset(system)
     rows = steps // run.record_every + 1
     try:
-        values, passes = np.zeros((rows, system.values.size)), np.zeros(rows)
+        recorder = _Recorder(run.record_every, np.zeros((rows, system.values.size)), np.zeros(rows))
     except (MemoryError, ValueError):  # ValueError: more than an array can hold at all
         raise AeroSloshError(
             f"A history of {rows} samples of {system.values.size} outputs does not fit into memory",
             assembly.where("run", "record_every"),
             "record fewer samples (run.record_every), or make the run shorter",
         ) from None
-    values[0], taken, first = system.values, 1, 1
-    outcome, failure = "completed", None
+    recorder.values[0] = system.values
+
+    def kept(step: int) -> tuple[dict[str, Arrays], dict[str, Any]]:
+        return {"history": recorder.rows()}, {"done": step, "dt": dt, "scheme": statistics.data()}
+
+    observers: list[Observer] = [
+        Counter(statistics, run.start),
+        Finite(lambda step: f"t = {run.start + step * dt:.6g} s"),
+        recorder,
+        *([Watch(watch)] if watch is not None else []),
+        *([Checkpoints(keeper, kept)] if keeper is not None else []),
+    ]
+    loop = Loop(system, scheme, dt, observers)
     if checkpoint is not None:
         checkpoint.restore(system, scheme)
-        past = checkpoint.part("history")
-        taken, first = past["passes"].size, checkpoint.about["done"] + 1
-        values[:taken], passes[:taken] = past["values"], past["passes"]
+        past, loop.done = checkpoint.part("history"), checkpoint.about["done"]
+        recorder.taken = n = past["passes"].size
+        recorder.values[:n], recorder.passes[:n] = past["values"], past["passes"]
         statistics.restore(checkpoint.about["scheme"])
-    try:
-        for done in range(first, steps + 1):
-            report = scheme.step(system, dt)
-            statistics.note(report, run.start + done * dt)
-            if not np.isfinite(system.values).all():
-                names = [n for n, v in zip(_names(system), system.values, strict=True) if not np.isfinite(v)]
-                outcome = f"{names[0]} is not a finite number at step {done}, t = {run.start + done * dt:.6g} s"
-                break
-            if done % run.record_every == 0:
-                values[taken], passes[taken] = system.values, report.passes
-                taken += 1
-            if watch is not None:
-                watch(done, steps, system)
-            if keeper is not None and done % keeper.every == 0:
-                history = {"values": values[:taken], "passes": passes[:taken]}
-                about = {"done": done, "dt": dt, "scheme": statistics.data()}
-                keeper.write(system, scheme, {"history": history}, about)
-    except ComponentError as error:
-        failure, outcome = error, error.what
-    if statistics.failed and failure is None and outcome == "completed":
+    loop.to(steps)
+    outcome = loop.stop.text if loop.stop else "completed"
+    if statistics.failed and not loop.stop:
         outcome = f"completed; {statistics.failed} of {steps} steps did not converge"
     return Simulation(
-        run.start + dt * (run.record_every * np.arange(taken)),
-        dict(zip(_names(system), values[:taken].T.copy(), strict=True)),
-        passes[:taken],
+        run.start + dt * (run.record_every * np.arange(recorder.taken)),
+        dict(zip(system.output_names(), recorder.values[: recorder.taken].T.copy(), strict=True)),
+        recorder.passes[: recorder.taken],
         {f"{c.name}.{n}": c.variables[n].unit or "1" for c in system.components for n in c.outputs.names},
         outcome,
-        statistics.failed == 0 and outcome == "completed",
+        statistics.failed == 0 and loop.stop is None,
         statistics.data(),
-        {c.name: c.cpu - before[c.name] for c in system.everyone},
-        clock.perf_counter() - begin[0],
-        clock.process_time() - begin[1],
-        failure,
+        meter.cost(loop.done),
+        loop.failure,
         system.loops,
     )
 
@@ -138,7 +142,6 @@ def _check_restart(checkpoint: Checkpoint, assembly: Assembly) -> None:
 def data(simulation: Simulation) -> dict[str, Any]:
     """For the JSON result: last values, what the scheme took, cost."""
     last = {name: float(column[-1]) for name, column in simulation.outputs.items()}
-    share = 1.0 - sum(simulation.cpu.values()) / simulation.total_cpu if simulation.total_cpu > 0.0 else 0.0
     return {
         "outcome": simulation.outcome,
         "converged": simulation.converged,
@@ -148,27 +151,9 @@ def data(simulation: Simulation) -> dict[str, Any]:
         "algebraic_loops": simulation.loops,
         "scheme": simulation.scheme,
         "cost": {
-            "wall_seconds": simulation.wall,
-            "cpu_seconds": simulation.total_cpu,
-            "cpu_seconds_by_component": simulation.cpu,
-            "master_share": max(0.0, share),
+            "wall_seconds": simulation.cost.wall,
+            "cpu_seconds": simulation.cost.total_cpu,
+            "cpu_seconds_by_component": simulation.cost.cpu,
+            "master_share": simulation.cost.master_share,
         },
     }
-
-
-def write_history(path: Path, simulation: Simulation, about: dict[str, Any]) -> None:
-    """netCDF-3: `time`, every output by its full name, `passes`; the provenance `about` as global attributes."""
-    with written(path) as file:
-        file.createDimension("time", simulation.time.size)
-        columns = {"time": (simulation.time, "s"), "passes": (simulation.passes, "1")}
-        columns |= {name: (column, simulation.units[name]) for name, column in simulation.outputs.items()}
-        for name, (column, unit) in columns.items():
-            variable = file.createVariable(name, "f8", ("time",))
-            variable[:] = column
-            variable.units, variable.long_name = unit, name
-        put_attributes(file, {"title": "aeroslosh run", "outcome": simulation.outcome} | about)
-
-
-def _names(system: System) -> list[str]:
-    """The outputs in the order of `system.values`."""
-    return [f"{c.name}.{name}" for c in system.components for name in c.outputs.names]

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.errors import AeroSloshError
-from ..case.case import Case, Coupling
+from ..case.case import Case
 from ..case.scales import scales
+from ..cosim.coupling_settings import Coupling
 
 if TYPE_CHECKING:
     from ..case.fuel_tank import Liquid

@@ -19,7 +19,7 @@ from scipy.io import netcdf_file
 
 from ..base.errors import AeroSloshError
 from ..flutter.march import March
-from .run_folder import march_attributes, put_attributes, put_march
+from .history_writer import march_attributes, put_attributes, put_march
 
 
 @dataclass(frozen=True)

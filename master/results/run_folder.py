@@ -14,68 +14,17 @@ from __future__ import annotations
 import contextlib
 import datetime
 import errno
-import functools
-import hashlib
-import io
 import json
 import os
-import platform
 import shutil
-import sys
 from collections.abc import Iterator
-from importlib import metadata
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-import numpy as np
-from scipy.io import netcdf_file
-
-from ..base import disk, interrupts
-from ..base import files as base_files
+from ..base import disk, files, interrupts
 from ..base.errors import AeroSloshError
 from ..case.case import Case, dump
-from ..flutter.march import March
-from ..flutter.recorder import REALS
-from . import trust
-
-PACKAGES = ("aeroslosh", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
-UNITS = {  # history variables that are no FMU outputs
-    "time": ("s", "time since the start of the march"),
-    "tau": ("1", "dimensionless time omega_alpha t"),
-    "h_over_b": ("1", "plunge over half chord, positive down"),
-    "subiterations": ("1", "subiterations of the aero step"),
-    "passes": ("1", "passes over the components in the step"),
-}
-
-
-def provenance(fmus: dict[str, str]) -> dict[str, Any]:
-    """What is needed to repeat a number. `fmus`: component name → SHA-256."""
-    versions = {}
-    for package in PACKAGES:
-        try:
-            versions[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            versions[package] = "unknown"
-    return {
-        "versions": versions | {"python": platform.python_version()},
-        "master_sha256": source_hash(),
-        "fmu_sha256": fmus,
-        "command": " ".join(sys.argv),
-        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "host": platform.node(),
-        "cpu": _cpu(),
-    }
-
-
-@functools.cache
-def source_hash() -> str:
-    """SHA-256 over the master's own source files: between two releases the version alone does not tell what ran."""
-    digest = hashlib.sha256()
-    root = Path(__file__).resolve().parents[1]
-    for path in sorted(root.rglob("*.py")):
-        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
 
 
 class RunFolder:
@@ -153,12 +102,12 @@ class RunFolder:
     def write_settings(self, text: str) -> None:
         """case.toml, before anything is computed. Raises AeroSloshError (INPUT)."""
         with self._writable():
-            base_files.write(self.path / "case.toml", text.encode())
+            files.write(self.path / "case.toml", text.encode())
 
     def write_result(self, result: dict[str, Any]) -> None:
         """result.json, whole or as it was. Raises OSError."""
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
-        base_files.write(self.path / "result.json", f"{text}\n".encode())
+        files.write(self.path / "result.json", f"{text}\n".encode())
 
     @contextlib.contextmanager
     def _writable(self) -> Iterator[None]:
@@ -195,76 +144,3 @@ class RunFolder:
                     raise
         else:
             raise AeroSloshError(f"999 earlier runs of {self.target.name} are kept", str(self.target.parent), "remove old ones")
-
-
-def write_history(path: Path, march: March, about: dict[str, Any]) -> None:
-    """netCDF-3 history of `march` with the provenance `about` as global attributes."""
-    with written(path) as file:
-        put_march(file, march)
-        put_attributes(file, march_attributes(march) | about)
-
-
-@contextlib.contextmanager
-def written(path: Path) -> Iterator[netcdf_file]:
-    """A netCDF-3 file to fill; it lies at `path` whole or not at all. Raises OSError."""
-    buffer = io.BytesIO()
-    file = netcdf_file(buffer, "w")
-    yield file
-    file.flush()
-    base_files.write(path, buffer.getvalue())
-
-
-def put_march(file: netcdf_file, march: March, prefix: str = "") -> None:
-    """The channels of `march` as variables over the dimension `time`, the names of all with `prefix`."""
-    file.createDimension(f"{prefix}time", march.tau.size)
-    for name, values in march.history.items():
-        unit, long_name = UNITS[name] if name in UNITS else REALS[name][2:]
-        variable = file.createVariable(prefix + name, "f8", (f"{prefix}time",))
-        variable[:] = values
-        variable.units = unit
-        variable.long_name = long_name
-
-
-def march_attributes(march: March) -> dict[str, Any]:
-    """What a history says of its march."""
-    s = march.scales
-    return {
-        "title": f"aeroslosh march, Mach {s.mach:g}, V_f {s.V_f:g}",
-        "Conventions": "CF-1.8",
-        "mach": s.mach,
-        "V_f": s.V_f,
-        "omega_alpha": s.omega_alpha,
-        "half_chord": s.half_chord,
-        "speed": s.speed,
-        "density": s.density,
-        "mass": s.mass,
-        "steps_per_cycle": s.steps_per_cycle,
-        "release_index": march.release,
-        "verdict": str(trust.verdict(march)),
-        "reason": march.reason,
-        "failure": march.failure.what if march.failure else "",
-        "stopped": march.stopped,
-        "slosh": march.slosh,
-    }
-
-
-def put_attributes(file: netcdf_file, attributes: dict[str, Any]) -> None:
-    """Global attributes: numbers and texts as they are, tables as JSON; empty texts are left out."""
-    for name, value in attributes.items():
-        if isinstance(value, dict):
-            value = json.dumps(value)
-        if value != "":
-            setattr(file, name, np.float64(value) if isinstance(value, float) else _ascii(value))
-
-
-def _ascii(value: Any) -> Any:
-    """Attributes as netCDF-3 holds them: numbers, or bytes of UTF-8."""
-    return value if isinstance(value, (int, float)) else str(value).encode("utf-8")
-
-
-def _cpu() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
-        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()

@@ -23,7 +23,7 @@ from xml.etree import ElementTree as ET
 
 from ..base import files as base_files
 from ..base.errors import AeroSloshError
-from ..results.run_folder import source_hash
+from ..results.provenance import source_hash
 from . import units as ssp_units
 from .system import Coupled, Part
 

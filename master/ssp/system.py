@@ -20,13 +20,14 @@ from typing import Any
 from ..base.errors import AeroSloshError
 from ..case import case as cases
 from ..case import fuel_tank
-from ..case.case import Case, Coupling
+from ..case.case import Case
 from ..case.scales import whole_nanoseconds
 from ..cosim import system_file as assemblies
 from ..cosim.assemble import PREDICTIONS
+from ..cosim.coupling_settings import Coupling
 from ..cosim.system import System, Wire
 from ..cosim.system_file import Assembly
-from ..flutter import march as flutter_march
+from ..flutter import span
 from ..flutter.setup import FlutterRig
 
 
@@ -101,7 +102,7 @@ def from_case(
     liquid = fuel_tank.LABEL[case.slosh.model]
     protocol = "forced pitch, release, free motion" if case.flutter.forced_cycles > 0.0 else "free motion"
     about = f"Wing section at Mach {case.flow.mach:g}, V_f {case.flutter.V_f:g}, {liquid}: {protocol}."
-    steps = flutter_march.length(case, s)[1]
+    steps = span.length(case, s)[1]
     return Coupled(case.name, about, parts, connections, 0.0, s.dt, steps, cases.dump(case), notes)
 
 

@@ -20,7 +20,7 @@ from typing import Any
 from ..base import files as base_files
 from ..base.errors import AeroSloshError, ExitCode
 from ..fmi import unpack
-from ..results.run_folder import provenance, source_hash
+from ..results.provenance import provenance, source_hash
 from .jobs import Job, Probe, Product
 from .workers import Events, Worker, WorkerDied
 

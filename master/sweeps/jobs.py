@@ -25,7 +25,7 @@ from ..flutter.setup import FlutterRig
 from ..fmi import unpack
 from ..results import point_file, summary, trust
 from ..results.point_file import Record
-from ..results.run_folder import provenance
+from ..results.provenance import provenance
 from .plan import mach_of, rig_key
 
 RIGS = 2  # open rigs a worker keeps

@@ -165,7 +165,7 @@ def test_not_a_number_is_an_outcome(fmus: dict[str, Path]) -> None:
     case = make_case(flow__airfoil="NAN 60", coupling__scheme="gauss-seidel")
     with FlutterRig(case, fmus, MACH) as rig:
         march = flutter_march.march(rig, 0.6)
-    assert "not-a-number" in march.stopped and "step 60" in march.stopped
+    assert "aero.lift is not a finite number at step 60" in march.stopped and "smaller step" in march.remedy
     assert march.verdict is Verdict.UNDETERMINED
     assert np.isfinite(march.history["alpha"]).all()
 

@@ -127,7 +127,10 @@ def test_a_second_interrupt_ends_at_once_and_tells_what_is_left(tmp_path: Path, 
 
 
 def test_signals_that_are_ignored_stay_ignored() -> None:
-    code = "import signal; from aeroslosh.master.base import interrupts; interrupts.install(); print(signal.getsignal(signal.SIGINT).name)"
+    code = (
+        "import signal; from aeroslosh.master.base import interrupts; interrupts.install(); "
+        "print(signal.getsignal(signal.SIGINT).name)"
+    )
     shell = ["sh", "-c", 'trap "" INT; exec "$@"', "sh", sys.executable, "-c", code]
     assert subprocess.run(shell, capture_output=True, text=True).stdout == "SIG_IGN\n"
 
@@ -206,14 +209,14 @@ def test_a_full_disk_keeps_the_mach_numbers_before(
     flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The disk is full when the second Mach number's result is written."""
-    write, out = run_folder.atomic.write, tmp_path / "b"
+    write, out = run_folder.files.write, tmp_path / "b"
 
     def full(path: Path, data: bytes) -> None:
         if path.name == "result.json" and path.exists():
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
         write(path, data)
 
-    monkeypatch.setattr(run_folder.atomic, "write", full)
+    monkeypatch.setattr(run_folder.files, "write", full)
     with pytest.raises(AeroSloshError) as caught:
         cli.run(words("boundary", out, flutter_fmus, *MARCHED, "--mach", "0.3", "0.4", "0.5", "--quiet"))
     assert caught.value.code == ExitCode.INCOMPLETE and "The disk is full" in str(caught.value)

@@ -12,8 +12,8 @@ import pytest
 from scipy.linalg import expm
 
 from aeroslosh.master.base.errors import AeroSloshError, ComponentError
-from aeroslosh.master.case.case import Coupling
 from aeroslosh.master.cosim import assemble as schemes
+from aeroslosh.master.cosim.coupling_settings import Coupling
 from aeroslosh.master.cosim.implicit import Criteria, Implicit
 from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme
 from aeroslosh.master.cosim.substeps import Pace, Stride

@@ -14,7 +14,7 @@ from aeroslosh.master.base.errors import AeroSloshError
 from aeroslosh.master.boundary import modes as boundary_modes
 from aeroslosh.master.boundary import solve
 from aeroslosh.master.case.case import Case
-from aeroslosh.master.flutter import apparent_mass
+from aeroslosh.master.flutter import apparent_mass, span
 from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 from aeroslosh.master.results import summary
@@ -121,7 +121,7 @@ def test_a_march_goes_on_until_its_verdict_is_settled_and_no_further(fmus: dict[
         case.flutter.max_free_cycles = 4.0
         short = flutter_march.march(rig, 0.3)
     cycles = (march.tau.size - 1 - march.release) / march.scales.steps_per_cycle
-    assert 1.25 / flutter_march.slower_frequency(case) <= cycles <= 40.0 and march.settled
+    assert 1.25 / span.slower_frequency(case) <= cycles <= 40.0 and march.settled
     assert march.verdict is Verdict.DAMPED
     assert short.verdict is Verdict.UNDETERMINED and not short.settled and "flutter.max_free_cycles" in short.remedy
     assert (short.history["alpha"] == march.history["alpha"][: short.tau.size]).all()  # going on changes nothing of what was

@@ -15,9 +15,12 @@ from aeroslosh.master.analysis.verdict import Verdict
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.case.scales import scales
-from aeroslosh.master.flutter.march import Cost, March
+from aeroslosh.master.cosim.loop import Cost
+from aeroslosh.master.flutter.march import March
 from aeroslosh.master.results import point_file, summary
-from aeroslosh.master.results.run_folder import RunFolder, provenance, write_history
+from aeroslosh.master.results.history_writer import write_history
+from aeroslosh.master.results.provenance import provenance
+from aeroslosh.master.results.run_folder import RunFolder
 
 HASHES = {"structure": "a" * 64, "aero": "b" * 64}
 

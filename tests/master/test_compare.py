@@ -18,7 +18,7 @@ from aeroslosh.master.base.errors import AeroSloshError, ExitCode
 from aeroslosh.master.flutter.march import March
 from aeroslosh.master.results import history_file, point_file
 from aeroslosh.master.results.history_difference import difference
-from aeroslosh.master.results.run_folder import provenance
+from aeroslosh.master.results.provenance import provenance
 
 ROOT = Path(__file__).parents[2]
 Writer = Callable[..., Path]

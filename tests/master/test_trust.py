@@ -17,7 +17,7 @@ from aeroslosh.master.flutter.march import March
 from aeroslosh.master.pictures import boundary
 from aeroslosh.master.pictures import march as pictures_march
 from aeroslosh.master.pictures import sweep as pictures_sweep
-from aeroslosh.master.results import run_folder, summary, trust
+from aeroslosh.master.results import history_writer, summary, trust
 from aeroslosh.master.sweeps import results
 from aeroslosh.master.sweeps.ledger import Row
 
@@ -47,7 +47,7 @@ def test_a_march_outside_the_model_has_no_verdict(made_up: Marcher) -> None:
     assert "37 times smaller" in data["remedy"] and data["growth_rate"] is not None
     said = summary.march_summary(data)
     assert "UNDETERMINED" in said and "remedy" in said and "as computed: damped" in said
-    assert run_folder.march_attributes(told(made_up(), [0.0, 34.0]))["verdict"] == "undetermined"
+    assert history_writer.march_attributes(told(made_up(), [0.0, 34.0]))["verdict"] == "undetermined"
     assert "does not hold" in pictures_march.headline(told(made_up(), [0.0, 34.0]))
 
 

@@ -19,9 +19,9 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from aeroslosh.master import cli
 from aeroslosh.master.base.errors import AeroSloshError, ExitCode
-from aeroslosh.master.case.case import Coupling
 from aeroslosh.master.case.scales import scales
 from aeroslosh.master.cosim.assemble import PREDICTIONS
+from aeroslosh.master.cosim.coupling_settings import Coupling
 from aeroslosh.master.flutter.setup import FlutterRig
 from aeroslosh.master.fmi.component import Component
 from aeroslosh.master.ssp import archive as ssp_archive
