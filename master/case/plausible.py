@@ -8,17 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..base.errors import AeroSloshError
 from . import scales
 
 if TYPE_CHECKING:
-    from ..training.case import TrainingCase
     from .case import Case
 
 HEAVY = 5.0  # liquid over section: more is unusual
 FAR = 10.0  # chords: no tank of a section is longer or further away
+
+
+class WithLiquid(Protocol):
+    """A case with the table [slosh]: of flutter, or of training."""
+
+    slosh: Any
 
 
 def _times(factor: float) -> Callable[[float], float]:
@@ -83,7 +88,7 @@ def refuse(case: Case, where: str) -> None:
             )
 
 
-def refuse_liquid(holder: Case | TrainingCase, where: str) -> None:
+def refuse_liquid(holder: WithLiquid, where: str) -> None:
     """The same for the table [slosh] alone."""
     _refuse(_numbers(holder, LIQUID), where)
     s = holder.slosh
@@ -134,7 +139,7 @@ def _refuse(numbers: Iterable[tuple[str, Rule, float]], where: str) -> None:
             )
 
 
-def _numbers(holder: Case | TrainingCase, rules: dict[str, Rule]) -> Iterator[tuple[str, Rule, float]]:
+def _numbers(holder: Any, rules: dict[str, Rule]) -> Iterator[tuple[str, Rule, float]]:
     """Key, rule and value of every number ("auto" is none)."""
     for name, rule in rules.items():
         table, _, key = name.partition(".")

@@ -61,7 +61,9 @@ def execute(options: argparse.Namespace) -> int:
         files += [os.path.relpath(folder), os.path.relpath(table_drive.collect_fields(folder, table, options.fields))]
     if not options.no_pictures:
         picture = target.with_suffix(".png")
-        table_drive.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
+        from ..pictures import table as table_picture  # matplotlib takes half a second to import
+
+        table_picture.draw(picture, table, columns, {name: v.unit or "" for name, v in component.variables.items()})
         files.append(str(picture))
     steps = table.times.size - 1
     worst = float(columns["validity"].max()) if "validity" in columns else None

@@ -73,7 +73,9 @@ def execute(options: argparse.Namespace) -> int:
 
 def _draw(path: Path, result: Simulation) -> None:
     nothing = table_drive.Table(result.time, [], np.zeros((result.time.size, 0)))
-    table_drive.draw(path, nothing, {"time": result.time, **result.outputs}, result.units)
+    from ..pictures import table as table_picture  # matplotlib takes half a second to import
+
+    table_picture.draw(path, nothing, {"time": result.time, **result.outputs}, result.units)
 
 
 def _summary(assembly: Assembly, data: dict[str, Any]) -> str:

@@ -187,28 +187,3 @@ def write(path: Path, columns: dict[str, np.ndarray]) -> None:
         writer = csv.writer(file)
         writer.writerow(columns)
         writer.writerows(zip(*([repr(float(v)) for v in column] for column in columns.values()), strict=True))
-
-
-def draw(path: Path, table: Table, columns: dict[str, np.ndarray], units: dict[str, str]) -> None:
-    """Inputs and outputs over time, one small panel each; what never changes is left out."""
-    from ..pictures import canvas  # matplotlib takes half a second to import
-
-    series = [(n, table.times, v, "C7") for n, v in zip(table.names, table.values.T, strict=True)]
-    series += [(n, columns["time"], v, "C0") for n, v in columns.items() if n != "time"]
-    series = [entry for entry in series if np.ptp(entry[2]) > 0.0] or series[:1]
-    across = 2 if len(series) > 1 else 1
-    down = math.ceil(len(series) / across)
-    figure, axes = canvas.subplots(
-        down, across, figsize=(5 * across, 1.7 * down), sharex=True, layout="constrained", squeeze=False
-    )
-    for axis, (name, times, values, colour) in zip(axes.flat, series, strict=False):
-        axis.plot(times, values, colour, lw=1)
-        axis.set_ylabel(f"{name} [{units.get(name) or '-'}]", fontsize=8)
-        axis.grid(alpha=0.3)
-    for axis in axes.flat[len(series) :]:
-        axis.set_visible(False)
-    for axis in axes[-1]:
-        axis.set_xlabel("time [s]")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with files.part(path) as hidden:
-        figure.savefig(hidden, dpi=110, format="png")
