@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 import traceback
@@ -11,6 +12,7 @@ from pathlib import Path
 
 from .base import disk, interrupts, streams
 from .base.errors import AeroSloshError, ExitCode, show
+from .commands import HELP
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -33,15 +35,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Parse, run, report; returns the exit code."""
-    options = parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    options = parser(next((word for word in words if word in HELP), "")).parse_args(words)
     _check_names(options)
     return options.execute(options)
 
 
-def parser() -> argparse.ArgumentParser:
-    """The command line."""
-    from .commands import COMMANDS  # numpy is loaded here
-
+def parser(command: str = "") -> argparse.ArgumentParser:
+    """The command line with all words of `command`; of the other commands the names, which is quick: their modules are not
+    loaded."""
     top = argparse.ArgumentParser(
         prog="aeroslosh",
         description="Aeroelastic flutter by co-simulation of FMUs.",
@@ -49,8 +51,11 @@ def parser() -> argparse.ArgumentParser:
         "5 incomplete (full disk, cluster gone), 70 internal error, 130 interrupted, 143 terminated",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in COMMANDS:
-        command.register(commands)
+    for name, text in HELP.items():
+        if name == command:
+            importlib.import_module(f".commands.{name}", __package__).register(commands)
+        else:
+            commands.add_parser(name, help=text)
     return top
 
 

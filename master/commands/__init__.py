@@ -1,6 +1,16 @@
 """The commands of `aeroslosh`, one a module: `register(commands)` adds its words to the command line, `execute(options)` runs it
-and returns the exit code."""
+and returns the exit code. A module is loaded when its command is asked for."""
 
-from . import animate, boundary, compare, doctor, drive, export, point, run, sweep, train
-
-COMMANDS = (point, boundary, sweep, run, drive, animate, compare, export, train, doctor)
+HELP = {
+    "point": "march one Mach number and V_f: does it flutter?",
+    "boundary": "find the neutral V_f of the case's Mach numbers",
+    "sweep": "compute many points or boundaries of a case: grids, lists, Latin hypercubes over any key; resumable",
+    "run": "run any system of FMUs, described in a system file",
+    "drive": "drive one FMU alone with a table of its inputs",
+    "animate": "draw the liquid in a tank from the fields that a slosh FMU wrote, as an animation",
+    "compare": "tell what differs between two runs: settings, provenance, results, histories, cost",
+    "export": "write a run's histories or fields, or a coupled system, for other programs",
+    "train": "train the surrogate slosh_rbf of one tank on records of slosh_vof, with a report",
+    "doctor": "say whether this machine is ready for the FMUs, and try every one of them",
+}
+"""Name and what it does, in the order of `aeroslosh --help`."""

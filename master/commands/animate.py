@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import ExitCode
+from . import HELP
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "draw the liquid in a tank from the fields that a slosh FMU wrote, as an animation"
+    text = HELP["animate"]
     film = commands.add_parser("animate", help=text, description=text)
     film.add_argument("folder", type=Path, metavar="FOLDER", help="with files fields_<number>.vts (`drive --fields` writes them)")
     film.add_argument("--out", type=Path, metavar="GIF", help="the animation (default FOLDER/animation.gif)")

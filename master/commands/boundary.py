@@ -25,7 +25,7 @@ from ..results import trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
-from . import common
+from . import HELP, common
 
 GRAVITY = (ExitCode.OK, ExitCode.UNDETERMINED, ExitCode.INPUT, ExitCode.INCOMPLETE, ExitCode.COMPONENT, ExitCode.INTERNAL)
 PUBLISHED = Path(__file__).resolve().parents[1] / "boundary" / "published.csv"
@@ -33,7 +33,7 @@ PUBLISHED = Path(__file__).resolve().parents[1] / "boundary" / "published.csv"
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "find the neutral V_f of the case's Mach numbers"
+    text = HELP["boundary"]
     sub = commands.add_parser("boundary", help=text, description=text)
     common.add_case(sub)
     sub.add_argument("--mach", type=float, metavar="M", nargs="+", help="instead of boundary.mach")

@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import AeroSloshError
-from ..case import airfoils, checks, plausible
+from ..case import airfoils, builtin, checks, plausible
 from ..case import case as cases
 from ..case.case import Case
 from ..cosim import checkpoint
 from ..cosim.checkpoint import Checkpoint, Keeper
 from ..cosim.progress import Progress
+from ..fmi import installed
 from ..fmi.component import Component
 from ..results.run_folder import RunFolder
 
@@ -28,10 +29,12 @@ DOUBTS = 5  # warnings shown of a sweep's points
 
 def add_case(sub: argparse.ArgumentParser) -> None:
     """Arguments of every command that runs a flutter case."""
-    sub.add_argument("case", type=Path, metavar="CASE", help="a TOML case, e.g. cases/isogai_a.toml")
+    sub.add_argument(
+        "case", type=builtin.case_path, metavar="CASE", help=f"a TOML case, or a built-in one: {', '.join(builtin.names())}"
+    )
     sub.add_argument("--slosh", metavar="MODEL", help="none, frozen, ems, rbf or vof, instead of slosh.model")
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the case")
-    sub.add_argument("--fmus", type=Path, metavar="DIR", default=default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--fmus", type=Path, metavar="DIR", default=installed.folder(), help="folder of the FMUs")
     sub.add_argument("--no-pictures", action="store_true", help="no pictures and no flow fields")
     add_output(sub, "run folder (default runs/<case>_<command>[_<slosh>])")
 
@@ -82,11 +85,6 @@ def restart(
     found = checkpoint.read(options.restart)
     checkpoint.check(found, settings, hashes, free)
     return found
-
-
-def default_fmus() -> Path:
-    """AEROSLOSH_FMUS, or dist/fmus beside the checkout."""
-    return Path(os.environ.get("AEROSLOSH_FMUS") or Path(__file__).resolve().parents[2] / "dist" / "fmus")
 
 
 def load_case(options: argparse.Namespace, command: str = "", changes: Mapping[str, Any] = {}) -> Case:

@@ -13,11 +13,12 @@ from ..results import compare, compare_text, past_run
 EPILOG = (
     "exit codes: 0 the same (within the tolerance), 1 different, 2 bad input; cost, settings and provenance alone never make it 1"
 )
+from . import HELP
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "tell what differs between two runs: settings, provenance, results, histories, cost"
+    text = HELP["compare"]
     sub = commands.add_parser("compare", help=f"{text} (exit code 1 when results differ)", description=text, epilog=EPILOG)
     where = "a run folder or sweep folder, a result.json, or a history (.nc)"
     sub.add_argument("a", type=Path, metavar="A", help=where)

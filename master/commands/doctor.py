@@ -10,9 +10,9 @@ from typing import Any
 
 from ..base import files
 from ..base.errors import AeroSloshError, ExitCode
+from ..fmi import installed
 from ..hosts import doctor, finding, hosting, selftest
 from ..hosts.finding import Finding
-from . import common
 
 
 def register(commands: Any) -> None:
@@ -24,7 +24,7 @@ def register(commands: Any) -> None:
         "steps, a second instance, its state. Prints the environment for programs that are not Python.",
         epilog="exit codes: 0 nothing worse than warnings, 2 something is missing or wrong here, 3 an FMU failed its self-test",
     )
-    sub.add_argument("--fmus", type=Path, metavar="PATH", default=common.default_fmus(), help="a folder of FMUs, or one FMU")
+    sub.add_argument("--fmus", type=Path, metavar="PATH", default=installed.folder(), help="a folder of FMUs, or one FMU")
     sub.add_argument("--no-self-test", action="store_true", help="do not run the FMUs")
     sub.add_argument("--script", type=Path, metavar="FILE", help="only write a shell script that starts other programs")
     sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")

@@ -13,11 +13,12 @@ from ..base.errors import AeroSloshError, ExitCode
 from ..case import fuel_tank
 from ..fmi import table_drive
 from ..fmi.component import Component
+from . import HELP
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "drive one FMU alone with a table of its inputs"
+    text = HELP["drive"]
     alone = commands.add_parser("drive", help=text, description=text)
     alone.add_argument("fmu", type=Path, metavar="FMU", help="e.g. dist/fmus/aero.fmu")
     alone.add_argument("--input", type=Path, required=True, metavar="CSV", help="column time [s], and inputs of the FMU by name")

@@ -11,22 +11,24 @@ from typing import Any
 
 from ..base import settings
 from ..base.errors import AeroSloshError, ExitCode
+from ..case import builtin
 from ..case import case as cases
 from ..cosim import system_file as assemblies
 from ..cosim.progress import Progress
 from ..flutter.setup import find_fmus
+from ..fmi import installed
 from ..results import export, history_file
 from ..ssp import archive as ssp_archive
 from ..ssp import system as ssp_system
 from ..ssp.system import Coupled
-from . import common
+from . import HELP, common
 
 WRITERS = {"csv": export.to_csv, "parquet": export.to_parquet}
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "write a run's histories or fields, or a coupled system, for other programs"
+    text = HELP["export"]
     formats = commands.add_parser("export", help=text, description=text).add_subparsers(
         dest="format", required=True, metavar="FORMAT"
     )
@@ -69,7 +71,9 @@ def _add_system(formats: Any) -> None:
         description="a flutter case at its Mach number and V_f, or a system file, as an SSP 1.0 archive of FMUs, parameters with "
         "units and connections, for FMPy, libcosim, ecos, OMSimulator and others (docs/ssp.md)",
     )
-    sub.add_argument("path", type=Path, metavar="FILE.toml", help="a case, e.g. cases/paper_s.toml, or a system file")
+    sub.add_argument(
+        "path", type=builtin.case_path, metavar="FILE.toml", help="a case (or the name of a built-in one), or a system file"
+    )
     sub.add_argument("--slosh", metavar="MODEL", help="none, frozen, ems, rbf or vof, instead of slosh.model")
     sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")
     sub.add_argument("--vf", type=float, metavar="V", help="instead of flutter.V_f")
@@ -80,7 +84,7 @@ def _add_system(formats: Any) -> None:
         help="whether the FMUs extrapolate their inputs over a step, as SSP tools do not "
         "(default: linear where coupling.predictor_order is above 0 and the scheme is not implicit; docs/ssp.md)",
     )
-    sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--fmus", type=Path, metavar="DIR", default=installed.folder(), help="folder of the FMUs")
     sub.add_argument("--out", type=Path, metavar="FILE.ssp", help="the archive (default <case>[_<slosh>].ssp)")
     sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
     sub.set_defaults(execute=_system)

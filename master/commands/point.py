@@ -22,7 +22,7 @@ from ..results import trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
-from . import common
+from . import HELP, common
 
 # what may differ from the checkpoint's: a march may grow
 FREE = ("flutter.free_cycles", "flutter.max_free_cycles", "output.pictures", "output.fields")
@@ -30,7 +30,7 @@ FREE = ("flutter.free_cycles", "flutter.max_free_cycles", "output.pictures", "ou
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "march one Mach number and V_f: does it flutter?"
+    text = HELP["point"]
     sub = commands.add_parser("point", help=text, description=text)
     common.add_case(sub)
     sub.add_argument("--mach", type=float, metavar="M", help="instead of flow.mach")

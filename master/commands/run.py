@@ -9,25 +9,28 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import ExitCode, show
+from ..case import builtin
 from ..cosim import system_file as assemblies
 from ..cosim import system_run
 from ..cosim.progress import Progress
 from ..cosim.system_file import Assembly
 from ..cosim.system_run import Simulation
-from ..fmi import table_drive
+from ..fmi import installed, table_drive
 from ..results.history_writer import write_simulation
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
-from . import common
+from . import HELP, common
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "run any system of FMUs, described in a system file"
+    text = HELP["run"]
     sub = commands.add_parser("run", help=text, description=text)
-    sub.add_argument("system", type=Path, metavar="SYSTEM", help="a TOML system file, e.g. cases/tank_on_springs.toml")
+    sub.add_argument(
+        "system", type=builtin.case_path, metavar="SYSTEM", help="a TOML system file, or the built-in tank_on_springs"
+    )
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
-    sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--fmus", type=Path, metavar="DIR", default=installed.folder(), help="folder of the FMUs")
     sub.add_argument("--no-pictures", action="store_true", help="no picture")
     common.add_output(sub, "run folder (default runs/<system>_run)")
     common.add_checkpoint(sub)

@@ -23,14 +23,14 @@ from ..sweeps.plan import Plan
 from ..sweeps.progress import SweepProgress
 from ..sweeps.sweep import Pool, Store
 from ..sweeps.workers import LocalPool, usable_cores
-from . import common, sweep_report
+from . import HELP, common, sweep_report
 
 FLAGS = {"grid": "grid", "list": "list", "hypercube": "latin-hypercube"}
 
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "compute many points or boundaries of a case: grids, lists, Latin hypercubes over any key; resumable"
+    text = HELP["sweep"]
     sub = commands.add_parser("sweep", help=text, description=text)
     common.add_case(sub)
     keys = sub.add_argument_group("what is swept, instead of the case's [sweep.parameters]")

@@ -12,14 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import AeroSloshError, ExitCode
+from ..case import builtin
 from ..cosim.progress import Progress
+from ..fmi import installed
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from ..training import case as training_case
 from ..training import report as training_report
 from ..training import tank_records
 from ..training.case import TrainingCase
-from . import common
+from . import HELP, common
 
 CALM = 0.75  # D: well below where gravity vanishes anywhere on the surface
 QUICK = (
@@ -33,16 +35,16 @@ QUICK = (
 
 def register(commands: Any) -> None:
     """The command line."""
-    text = "train the surrogate slosh_rbf of one tank on records of slosh_vof, with a report"
+    text = HELP["train"]
     sub = commands.add_parser("train", help=text, description=text)
-    sub.add_argument("case", type=Path, metavar="CASE", help="a training file, e.g. cases/slosh_rbf.toml")
+    sub.add_argument("case", type=builtin.case_path, metavar="CASE", help="a training file, or the built-in slosh_rbf")
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
     sub.add_argument("--quick", action="store_true", help="fewer networks, one seed, no second grid: minutes")
     sub.add_argument(
         "--records", type=Path, metavar="DIR", help="where records are kept and found again (default runs/<case>_records)"
     )
     sub.add_argument("--workers", type=int, metavar="N", default=len(os.sched_getaffinity(0)), help="processes (default: cores)")
-    sub.add_argument("--fmus", type=Path, metavar="DIR", default=common.default_fmus(), help="folder of the FMUs")
+    sub.add_argument("--fmus", type=Path, metavar="DIR", default=installed.folder(), help="folder of the FMUs")
     common.add_output(sub, "run folder (default runs/<case>_train)")
     sub.set_defaults(execute=execute)
 

@@ -24,6 +24,7 @@ from typing import Any
 from ..base import settings, texts, toml_text
 from ..base.errors import AeroSloshError
 from ..base.settings import key, rule
+from ..fmi import installed
 from ..fmi.component import Component
 from .assemble import assemble
 from .coupling_settings import Coupling
@@ -164,6 +165,7 @@ def flat(assembly: Assembly) -> dict[str, Any]:
 
 def find(assembly: Assembly, folder: Path) -> dict[str, Path]:
     """The FMU file of each component: beside the system file, else in `folder`. Raises AeroSloshError."""
+    installed.ensure(folder)
     found = {}
     for name, part in assembly.components.items():
         file = part.fmu if part.fmu.endswith(".fmu") else f"{part.fmu}.fmu"

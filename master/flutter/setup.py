@@ -14,6 +14,7 @@ from ..case.case import Case
 from ..case.scales import Scales, scales
 from ..cosim.assemble import assemble
 from ..cosim.system import wires
+from ..fmi import installed
 from ..fmi.component import Component, Saved
 from .statics import STEP, SteadySlopes, tilted
 
@@ -34,6 +35,7 @@ LOADS = ("lift", "moment")
 def find_fmus(folder: Path, *models: str) -> dict[str, Path]:
     """The FMU files of `folder` by component name, with those of the liquid's `models`. Raises AeroSloshError when one is
     missing."""
+    installed.ensure(folder)
     found = {name: folder / f"{name}.fmu" for name in (*NEEDED, *fuel_tank.needed(models))}
     missing = [path.name for path in found.values() if not path.is_file()]
     if missing:
