@@ -11,6 +11,6 @@ HELP = {
     "compare": "tell what differs between two runs: settings, provenance, results, histories, cost",
     "export": "write a run's histories or fields, or a coupled system, for other programs",
     "train": "train the surrogate slosh_rbf of one tank on records of slosh_vof, with a report",
-    "doctor": "say whether this machine is ready for the FMUs, and try every one of them",
+    "doctor": "check this installation and each FMU; say how to start another program that runs FMUs",
 }
 """Name and what it does, in the order of `aeroslosh --help`."""

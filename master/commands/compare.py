@@ -9,11 +9,11 @@ from typing import Any
 
 from ..base.errors import ExitCode
 from ..results import compare, compare_text, past_run
+from . import HELP
 
 EPILOG = (
     "exit codes: 0 the same (within the tolerance), 1 different, 2 bad input; cost, settings and provenance alone never make it 1"
 )
-from . import HELP
 
 
 def register(commands: Any) -> None:

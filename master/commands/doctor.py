@@ -13,13 +13,14 @@ from ..base.errors import AeroSloshError, ExitCode
 from ..fmi import installed
 from ..hosts import doctor, finding, hosting, selftest
 from ..hosts.finding import Finding
+from . import HELP
 
 
 def register(commands: Any) -> None:
     """The command line."""
     sub = commands.add_parser(
         "doctor",
-        help="check this installation and each FMU; say how to start another program that runs FMUs",
+        help=HELP["doctor"],
         description="Checks Python, libpython, packages, platform and folders, and each FMU in a process of its own: load, a few "
         "steps, a second instance, its state. Prints the environment for programs that are not Python.",
         epilog="exit codes: 0 nothing worse than warnings, 2 something is missing or wrong here, 3 an FMU failed its self-test",
@@ -35,6 +36,7 @@ def execute(options: argparse.Namespace) -> int:
     """All findings, as they come."""
     if options.script is not None:
         return _write_script(options)
+    installed.ensure(options.fmus)
     fmus = [options.fmus] if options.fmus.is_file() else sorted(options.fmus.glob("*.fmu"))
     found: list[Finding] = []
 

@@ -58,6 +58,7 @@ def execute(options: argparse.Namespace) -> int:
         study,  # what a user of the other commands need not load
     )
 
+    installed.ensure(options.fmus)
     case = training_case.load(options.case, [*(QUICK if options.quick else ()), *options.set])
     if case.training.tuning and not _has_torch():
         raise AeroSloshError(
