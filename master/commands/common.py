@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,6 @@ from ..cosim import checkpoint
 from ..cosim.checkpoint import Checkpoint, Keeper
 from ..cosim.progress import Progress
 from ..fmi import installed
-from ..fmi.component import Component
 from ..results.run_folder import RunFolder
 
 EVERY = 500  # steps between two checkpoints
@@ -117,19 +116,6 @@ def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
     airfoils.check(case.flow.airfoil, where, aero, options.case.parent, Path())
 
 
-def draw_airfoil(case: Case, folder: RunFolder, summary: str) -> None:
-    """airfoil.png, from the table that the aero FMU wrote (section_file)."""
-    if case.output.pictures and section_file(folder).is_file():
-        from ..pictures import airfoil as pictures_airfoil  # matplotlib takes half a second to import
-
-        pictures_airfoil.draw(section_file(folder), folder.path / "airfoil.png", summary)
-
-
-def section_file(folder: RunFolder) -> Path:
-    """Where the section of a run is written."""
-    return folder.path / "airfoil.csv"
-
-
 def run_folder(options: argparse.Namespace, name: str) -> Path:
     """Where the command's results go: --out, or below runs/."""
     liquid = f"_{options.slosh}" if options.slosh is not None else ""
@@ -140,14 +126,6 @@ def say(text: str, folder: RunFolder, progress: Progress) -> None:
     """Into run.log and onto standard error."""
     folder.log(text)
     progress.say(text)
-
-
-def log_messages(components: Iterable[Component], folder: RunFolder) -> None:
-    """The FMUs' log messages into run.log, each once."""
-    for component in components:
-        for status, text in component.messages:
-            folder.log(f"{component.name} (status {status}): {text}")
-        component.messages.clear()
 
 
 @contextmanager

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from ..analysis.verdict import Verdict
-from ..base import pvd
+from ..api import point as api
 from ..base.errors import ExitCode, show
 from ..case import case as cases
-from ..case import fuel_tank
-from ..case.case import Case
 from ..cosim import checkpoint
 from ..cosim.progress import Progress
-from ..flutter import march as flutter_march
-from ..flutter.setup import FlutterRig, find_fmus
+from ..flutter.setup import find_fmus
 from ..fmi import unpack
 from ..results import summary as results_summary
 from ..results import trust
-from ..results.history_writer import write_history
-from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from . import HELP, common
 
@@ -45,7 +39,7 @@ def execute(options: argparse.Namespace) -> int:
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
     common.check_airfoil(options, case, fmus["aero"])
-    files, settings = _files(case, fmus), cases.flat(case)
+    files, settings = api.files(case, fmus), cases.flat(case)
     hashes = {name: unpack.sha256(path) for name, path in files.items()}
     # all this before the steady flow, which may take minutes
     keeper, start = common.keeper(options, settings, hashes), common.restart(options, settings, hashes, FREE)
@@ -54,56 +48,20 @@ def execute(options: argparse.Namespace) -> int:
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         told = common.tell(options, [case], "point", folder.log)
-        mach, V_f = case.flow.mach, case.flutter.V_f
-        fields = None
-        if start is not None and case.output.fields and not start.about["case"]["output.fields"]:
+        no_fields = start is not None and not start.about["case"]["output.fields"]
+        if no_fields and case.output.fields:
             common.say("no flow fields: the march to go on with began without a folder for them", folder, progress)
-        elif case.output.fields:
-            fields = folder.path / "fields"
-            fields.mkdir()
-        section = common.section_file(folder) if case.output.pictures else None
-        with FlutterRig(case, fmus, mach, fields, lambda text: common.say(text, folder, progress), section) as rig:
-            airfoil = rig.airfoil_summary
-            about = provenance(hashes)
-            for loop in rig.system.loops:
-                folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
-            common.say(f"march at Mach {mach:g}, V_f {V_f:g}", folder, progress)
-            progress.start(f"M {mach:g} V_f {V_f:.4g}")
-            march = flutter_march.march(rig, V_f, fields, progress.watch, keeper, start)
-            data = results_summary.march_data(march, rig.steady_cpu) | told | {"airfoil_summary": airfoil or None}
-            common.log_messages(rig.system.components, folder)
+        computed = api.compute(case, fmus, progress, folder, keeper, start, not no_fields)
+        computed.data |= told
+        march = computed.march
         folder.keep()  # a failed march's history is worth keeping
-        summary = results_summary.march_summary(data)
+        summary = results_summary.march_summary(computed.data)
         folder.log(summary)
         if march.failure is not None:
             folder.log(f"{march.failure}\n{march.failure.traceback}")
-        with common.printed(options, data, summary, folder):
-            write_history(folder.path / "history.nc", march, about)
-            folder.write_result(data | {"provenance": about})
-            if fields is not None and march.fields:
-                pvd.write_beside(fields, {pvd.number(path): tau / march.scales.omega_alpha for tau, path in march.fields})
-            _draw(case, march, folder, progress)
-            common.draw_airfoil(case, folder, airfoil)
+        with common.printed(options, computed.data, summary, folder):
+            api.write(case, computed, folder)
         if march.failure is not None:
             show(march.failure)
             return ExitCode.COMPONENT
         return ExitCode.UNDETERMINED if trust.verdict(march) is Verdict.UNDETERMINED else ExitCode.OK
-
-
-def _files(case: Case, fmus: dict[str, Path]) -> dict[str, Path]:
-    """The FMU of each component."""
-    files = {"structure": fmus["structure"], "aero": fmus["aero"]}
-    liquid = {"slosh": case.slosh.model, "slosh_predictor": case.slosh.predictor}
-    return files | {name: fmus[fuel_tank.FMU[model]] for name, model in liquid.items() if model in fuel_tank.FMU}
-
-
-def _draw(case: Case, march: flutter_march.March, folder: RunFolder, progress: Progress) -> None:
-    if not case.output.pictures:
-        return
-    from ..pictures import march as pictures_march  # matplotlib takes half a second to import
-
-    progress.say("pictures")
-    pictures_march.histories(march, folder.path / "histories.png")
-    pictures_march.phase(march, folder.path / "phase.png")
-    if march.fields:
-        pictures_march.mach_field(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)

@@ -56,7 +56,7 @@ def execute(options: argparse.Namespace) -> int:
                 common.say(f"steps of {assembly.dt!r} s: the run holds no whole number of run.step", folder, progress)
             progress.start(assembly.name)
             result = system_run.simulate(assembly, system, progress.watch, keeper, start)
-            common.log_messages(system.everyone, folder)
+            folder.log_messages(system.everyone)
         finally:
             system.close()
         folder.keep()

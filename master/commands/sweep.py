@@ -6,22 +6,21 @@ import argparse
 import json
 import sys
 import time as clock
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..api import sweep as api
 from ..base.errors import AeroSloshError, ExitCode
 from ..case import airfoils
 from ..case import case as cases
 from ..case.case import Case
 from ..flutter.setup import find_fmus
-from ..results.provenance import provenance, source_hash
 from ..sweeps import estimate, plan, sweep
-from ..sweeps.jobs import Job, Product
+from ..sweeps.jobs import Job
 from ..sweeps.parameters import Parameter, from_case, from_words
 from ..sweeps.plan import Plan
 from ..sweeps.progress import SweepProgress
-from ..sweeps.sweep import Pool, Store
+from ..sweeps.sweep import Store
 from ..sweeps.workers import LocalPool, usable_cores
 from . import HELP, common, sweep_report
 
@@ -46,7 +45,11 @@ def register(commands: Any) -> None:
     sub.add_argument("--resume", action="store_true", help="go on with the sweep in the folder")
     sub.add_argument("--retry-failed", action="store_true", help="with --resume: compute failed points again")
     sub.add_argument(
-        "--recycle", type=int, default=500, metavar="N", help="points after which a worker is replaced (default 500)"
+        "--recycle",
+        type=int,
+        default=api.RECYCLE,
+        metavar="N",
+        help=f"points after which a worker is replaced (default {api.RECYCLE})",
     )
     sub.add_argument("--dry-run", action="store_true", help="points and their cost, from a few steps; nothing is written")
     sub.set_defaults(execute=execute)
@@ -72,7 +75,7 @@ def execute(options: argparse.Namespace) -> int:
         progress.say(f"{wanted.repeated} points of the sweep are asked for twice: each is computed once")
     if options.dry_run:
         return _dry_run(options, wanted, folder, workers, progress)
-    _make_folder(folder, options.resume)
+    api.make_folder(folder, options.resume)
     with sweep.locked(folder):
         if not options.resume and sweep.begun(folder):
             remedy = "go on with it: --resume; start anew: another folder with --out, or remove it"
@@ -87,28 +90,13 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
         progress.say(text)
         sweep.log(folder, text)
 
-    def on_product(product: Product) -> None:
-        progress.took(product.record.wall_seconds)
-        if product.record.cause:
-            say(f"point {product.record.id} failed: {product.record.cause}")
-
     begin = clock.perf_counter()
-    case.given |= set(wanted.names)  # case.toml marks as defaults what is neither given nor swept
+    case.given |= set(wanted.names)
     told = common.tell(options, [p.case for p in wanted.points], wanted.kind, lambda text: sweep.log(folder, text))
     store = Store.open(folder, say)
-    pool: Pool | None = None
+    settings = api.Settings(workers, options.recycle, options.scheduler, options.resume, options.retry_failed)
     try:
-        store.enter(wanted, provenance({})["versions"] | {"aeroslosh sources": source_hash()[:12]})
-        store.write("case.toml", cases.dump(case).encode())
-        store.mend()
-        if options.retry_failed:
-            say(f"{store.retry()} failed points are computed again")
-        left = store.left(wanted)
-        if left:
-            pool = _pool(options, wanted, workers, say)
-            say(f"{len(left)} of {len(wanted.points)} points to compute on {pool.name}")
-            _forecast(pool, left, progress)
-            sweep.run(wanted, store, pool, " ".join(sys.argv), progress.show, on_product)
+        api.run(case, wanted, store, settings, progress, say)
         return sweep_report.conclude(options, wanted, store, clock.perf_counter() - begin, told)
     except KeyboardInterrupt as stop:
         kept = len(wanted.points) - len(store.left(wanted))
@@ -116,8 +104,6 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
         print(f"\naeroslosh: {said}", file=sys.stderr)
         return getattr(stop, "code", ExitCode.INTERRUPTED)
     finally:
-        if pool is not None:
-            pool.close()
         store.close()
 
 
@@ -148,41 +134,6 @@ def _airfoil_as_begun(options: argparse.Namespace, case: Case) -> None:
     kept = Path(cases.load(begun).flow.airfoil)
     if kept.is_absolute() and airfoils.is_file(kept) and kept.parts[-len(Path(word).parts) :] == Path(word).parts:
         case.flow.airfoil = str(kept)
-
-
-def _make_folder(folder: Path, resume: bool) -> None:
-    """Make the folder, or see that it is a sweep's. Raises AeroSloshError."""
-    if sweep.begun(folder):
-        return
-    if resume:
-        remedy = "start it without --resume, or name its folder with --out"
-        raise AeroSloshError("There is no sweep to resume", str(folder), remedy)
-    if folder.exists() and (not folder.is_dir() or any(p.name != sweep.LOCK for p in folder.iterdir())):
-        remedy = "give another folder with --out, or remove it"
-        raise AeroSloshError("The output folder exists and holds something else than a sweep", str(folder), remedy)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise sweep.unwritable(error, folder) from None
-
-
-def _pool(options: argparse.Namespace, wanted: Plan, workers: int, say: Callable[[str], None]) -> Pool:
-    """Local workers, or those of a cluster."""
-    if options.scheduler is None:
-        return LocalPool(workers, options.recycle, say)
-    from ..sweeps.cluster import DaskPool  # a package that only clusters need
-
-    files = {file for p in wanted.points for file in p.files.values()}
-    return DaskPool(options.scheduler, sorted(files), options.recycle, say)
-
-
-def _forecast(pool: Pool, left: list[Job], progress: SweepProgress) -> None:
-    """Compile what the points need before several workers want it at once; expect so much time of a point."""
-    tried = estimate.to_probe(left) if pool.size > 1 else []
-    probes = pool.prepare(tried)
-    progress.workers = min(pool.size, len(left))
-    if probes:
-        progress.expected = estimate.cost(left, tried, probes).cpu_seconds / len(left)
 
 
 def _dry_run(options: argparse.Namespace, wanted: Plan, folder: Path, workers: int, progress: SweepProgress) -> int:

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..base import settings, texts, toml_text
+from ..base import settings, texts
 from ..base.errors import AeroSloshError
 from ..base.settings import key, rule
 from ..fmi import installed
@@ -97,20 +97,20 @@ class Assembly:
         return f"{self.path}, " + (f"line {line}, " if line else "") + f"key {dotted}"
 
 
-WANTED = {
-    "Real": "a number",
-    "Integer": "a whole number",
-    "Enumeration": "the whole number of one of its values",
-    "Boolean": "true or false",
-    "String": 'a text in "quotes"',
-}
 TABLES: dict[str, Any] = {n: h for n, h in typing.get_type_hints(Assembly).items() if dataclasses.is_dataclass(h)}
 
 
 def load(path: Path, overrides: Sequence[str] = ()) -> Assembly:
     """Read a system file and apply `table.key=value` overrides. Raises AeroSloshError (file, line, key, remedy)."""
     data, lines = settings.read(path, "system file", "cases/tank_on_springs.toml")
-    assembly = Assembly(path.stem, path.resolve().parent, path, lines)
+    return of_data(data, lines, path, path.resolve().parent, overrides)
+
+
+def of_data(data: dict[str, Any], lines: settings.Lines, path: Path, folder: Path, overrides: Sequence[str] = ()) -> Assembly:
+    """The system of a file's content, or of a program's; FMUs lie in `folder`. `path` and `lines` go into messages.
+
+    Raises AeroSloshError."""
+    assembly = Assembly(path.stem, folder, path, lines)
     if "flow" in data or "section" in data:
         raise AeroSloshError("This is a flutter case, not a system file", str(path), f"aeroslosh point {path}")
     given = data.pop("components", {})
@@ -189,7 +189,7 @@ def build(assembly: Assembly, fmus: dict[str, Path]) -> System:
         for name, part in assembly.components.items():
             made[name] = component = Component(fmus[name], name)
             for variable, value in part.parameters.items():
-                _set(component, variable, value, assembly)
+                component.check_and_set(variable, value, assembly.where(f"components.{name}.parameters", variable))
         guides = {part.predicts: made[name] for name, part in assembly.components.items() if part.predicts}
         stepped = [made[name] for name, part in assembly.components.items() if not part.predicts]
         try:
@@ -229,25 +229,6 @@ def _check_predictors(assembly: Assembly) -> None:
                 f"leave out its wires: it goes by those of '{part.predicts}'",
             )
         seen[part.predicts] = name
-
-
-def _set(component: Component, variable: str, value: Any, assembly: Assembly) -> None:
-    """One parameter or start value, if its type fits."""
-    where = assembly.where(f"components.{component.name}.parameters", variable)
-    names = [n for n, v in component.variables.items() if v.causality in ("parameter", "input")]
-    if variable not in names:
-        remedy = settings.nearest(variable, names, f"those of {component.path.name} are")
-        raise AeroSloshError(f"'{component.name}' has no parameter or input '{variable}'", where, remedy)
-    known = component.variables[variable]
-    items = {item.name: int(item.value) for item in getattr(known.declaredType, "items", None) or []}
-    if known.type == "Enumeration" and value in items:
-        value = items[value]
-    kinds = {"Real": (int, float), "Integer": (int,), "Enumeration": (int,), "Boolean": (bool,), "String": (str,)}[known.type]
-    if not isinstance(value, kinds) or (isinstance(value, bool) and known.type != "Boolean"):
-        given = toml_text.literal(value)
-        wanted = f"one of {', '.join(items)}" if items else WANTED[known.type]
-        raise AeroSloshError(f"{variable} = {given} is no {known.type}", where, f"give {wanted}")
-    component.set(variable, value)
 
 
 def _override(assembly: Assembly, text: str) -> None:

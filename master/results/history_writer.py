@@ -44,11 +44,15 @@ def written(path: Path) -> Iterator[netcdf_file]:
     files.write(path, buffer.getvalue())
 
 
+def channels(march: March) -> dict[str, tuple[np.ndarray, str, str]]:
+    """Channel → values (n,), unit, long name."""
+    return {name: (values, *(UNITS[name] if name in UNITS else REALS[name][2:])) for name, values in march.history.items()}
+
+
 def put_march(file: netcdf_file, march: March, prefix: str = "") -> None:
     """The channels of `march` as variables over the dimension `time`, the names of all with `prefix`."""
     file.createDimension(f"{prefix}time", march.tau.size)
-    for name, values in march.history.items():
-        unit, long_name = UNITS[name] if name in UNITS else REALS[name][2:]
+    for name, (values, unit, long_name) in channels(march).items():
         variable = file.createVariable(prefix + name, "f8", (f"{prefix}time",))
         variable[:] = values
         variable.units = unit

@@ -17,7 +17,7 @@ import errno
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,6 +25,7 @@ from typing import Any
 from ..base import disk, files, interrupts
 from ..base.errors import AeroSloshError
 from ..case.case import Case, dump
+from ..fmi.component import Component
 
 
 class RunFolder:
@@ -94,6 +95,13 @@ class RunFolder:
         with contextlib.suppress(OSError):
             self._log.write(f"{datetime.datetime.now().isoformat(timespec='milliseconds')}  {text}\n")
             self._log.flush()
+
+    def log_messages(self, components: Iterable[Component]) -> None:
+        """The FMUs' log messages into run.log, each once."""
+        for component in components:
+            for status, text in component.messages:
+                self.log(f"{component.name} (status {status}): {text}")
+            component.messages.clear()
 
     def write_case(self, case: Case) -> None:
         """case.toml of a case. Raises AeroSloshError (INPUT)."""

@@ -1,0 +1,188 @@
+"""One FMU driven by a table, and any system of FMUs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.errors import AeroSloshError
+from ..case import builtin
+from ..cosim import system_file, system_run
+from ..cosim.system_file import Assembly
+from ..cosim.system_run import Simulation
+from ..fmi import table_drive
+from ..fmi.component import Component
+from ..fmi.table_drive import Table
+from ..results.history_writer import write_simulation
+from ..results.provenance import provenance
+from ..results.run_folder import RunFolder
+from . import datasets
+from .point import fmu_folder
+from .progress import Callback, Reporter, interruptible, reporter
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+def simulate(
+    fmu: str | os.PathLike[str],
+    table: Mapping[str, Any] | pd.DataFrame | xr.Dataset | str | os.PathLike[str],
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    step: float | None = None,
+    fmus: str | os.PathLike[str] | None = None,
+) -> xr.Dataset:
+    """Drive one FMU with a table of its inputs; returns every numeric output over `time` [s], with units.
+
+    fmu         a file, or the name of one of this package's FMUs: "slosh_vof"
+    table       columns `time` [s], strictly rising, and inputs of the FMU, each (n,): a dictionary, a DataFrame, a Dataset, or
+                the path of a CSV file. Rates and accelerations left out are taken from splines. Each row is a communication point
+    parameters  variable → value, set before it starts; `step` [s]: resample the table to equal steps
+
+    Raises AeroSloshError for a column that is no input and a value that fits no parameter, ComponentError when the FMU fails."""
+    path = Path(fmu)
+    if not path.is_file() and not path.suffix:
+        path = _own(path.name, fmus)
+    driven = table_drive.read(Path(table)) if isinstance(table, str | os.PathLike) else _table(table)
+    if step is not None:
+        driven = driven.resampled(step)
+    with interruptible():
+        component = Component(path, path.stem)
+        try:
+            for name, value in (parameters or {}).items():
+                component.check_and_set(name, value, f"ae.simulate, parameters, {name}")
+            driven, _ = table_drive.completed(driven, component.input_index)
+            columns = table_drive.run(component, driven)
+            known = component.variables
+            units = {n: (known[n].unit or "1", known[n].description or n) if n in known else ("s", "time") for n in columns}
+            attributes = {"fmu": path.name, "fmu_sha256": component.sha256}
+        finally:
+            component.close()
+    return datasets.history({n: (v, *units[n]) for n, v in columns.items()}, attributes)
+
+
+class System:
+    """Any FMUs, wired: as in a system file.
+
+    >>> system = System(
+    ...     {"table": {"fmu": "shaker.fmu"}, "tank": {"fmu": "slosh_ems", "parameters": {"tank_length": 0.9}}},
+    ...     ["table.x -> tank.x", "table.x_ddot -> tank.x_ddot"],
+    ...     end=2.0, step=1e-3,
+    ... )
+    >>> system.run()["tank.force_x"]
+    """
+
+    def __init__(
+        self,
+        components: Mapping[str, Mapping[str, Any]],
+        wires: Sequence[str] = (),
+        *,
+        end: float,
+        step: float,
+        start: float = 0.0,
+        record_every: int = 1,
+        coupling: Mapping[str, Any] | None = None,
+    ) -> None:
+        """components: name → fmu (a file or a name of this package's), parameters, predicts; wires: "a.output -> b.input";
+        start, end, step [s]; coupling: keys of the table [coupling]. Raises AeroSloshError naming the key."""
+        run = {"start": start, "end": end, "step": step, "record_every": record_every}
+        data = {"components": {n: dict(c) for n, c in components.items()}, "system": {"wires": list(wires)}, "run": run}
+        data["coupling"] = dict(coupling or {})
+        self._assembly = system_file.of_data(data, {}, Path("ae.System"), Path.cwd())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> System:
+        """The system of a TOML file (or the built-in "tank_on_springs"). Raises AeroSloshError (file, line, key, remedy)."""
+        made = cls.__new__(cls)
+        made._assembly = system_file.load(builtin.resolve(Path(path)), overrides)
+        return made
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Every key with its value."""
+        return system_file.flat(self._assembly)
+
+    def run(
+        self,
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        fmus: str | os.PathLike[str] | None = None,
+        progress: bool | Callback = False,
+    ) -> xr.Dataset:
+        """Run it; every output over `time` [s], and `passes`; attributes say how it ended (`outcome`, `converged`).
+
+        folder: a run folder to write. Raises AeroSloshError for a system that cannot be built, ComponentError when an FMU fails
+        (a folder keeps what came before), Cancelled."""
+        assembly, report = self._assembly, reporter(progress)
+        files = system_file.find(assembly, fmu_folder(fmus))
+        with interruptible():
+            if folder is None:
+                result, _ = _run(assembly, files, report)
+            else:
+                with RunFolder(Path(folder)) as kept:
+                    kept.write_settings(system_file.dump(assembly))
+                    result, hashes = _run(assembly, files, report)
+                    about = provenance(hashes)
+                    write_simulation(kept.path / "history.nc", result, about)
+                    kept.write_result(system_run.data(result) | {"provenance": about})
+        if result.failure is not None:
+            raise result.failure
+        columns = {n: (v, result.units[n], n) for n, v in result.outputs.items()}
+        columns |= {"time": (result.time, "s", "time"), "passes": (result.passes, "1", "passes over the components in the step")}
+        return datasets.history(columns, {"outcome": result.outcome, "converged": int(result.converged)})
+
+    def __repr__(self) -> str:
+        run = self._assembly.run
+        return f"System({', '.join(self._assembly.components)}: {run.start:g} to {run.end:g} s in steps of {run.step:g} s)"
+
+
+def _run(assembly: Assembly, files: dict[str, Path], report: Reporter) -> tuple[Simulation, dict[str, str]]:
+    """The run and the FMUs' hashes."""
+    system = system_file.build(assembly, files)
+    try:
+        report.start(assembly.name)
+        return system_run.simulate(assembly, system, report.watch), {c.name: c.sha256 for c in system.everyone}
+    finally:
+        system.close()
+
+
+def _own(name: str, fmus: str | os.PathLike[str] | None) -> Path:
+    """One of this package's FMUs."""
+    from ..fmi import installed
+
+    folder = fmu_folder(fmus)
+    installed.ensure(folder)
+    path = folder / f"{name}.fmu"
+    if not path.is_file():
+        known = ", ".join(sorted(p.stem for p in folder.glob("*.fmu")))
+        raise AeroSloshError(f"There is no FMU '{name}'", str(folder), f"give the path of a .fmu file, or one of {known}")
+    return path
+
+
+def _table(given: Mapping[str, Any] | Any) -> Table:
+    """A table from columns. Raises AeroSloshError."""
+    names = [
+        str(name) for name in (given.columns if hasattr(given, "columns") else [*given.keys(), *getattr(given, "coords", ())])
+    ]
+    names = list(dict.fromkeys(names))
+    try:
+        columns = {name: np.asarray(given[name], dtype=float).ravel() for name in names}
+    except (TypeError, ValueError) as error:
+        raise AeroSloshError(f"A column is no list of numbers: {error}", "ae.simulate, table", "numbers in every place") from None
+    if "time" not in columns:
+        raise AeroSloshError(f"The columns are {', '.join(names)}", "ae.simulate, table", "one column 'time' [s]")
+    time = columns.pop("time")
+    if any(v.size != time.size for v in columns.values()) or time.size < 2 or not (np.diff(time) > 0.0).all():
+        raise AeroSloshError("Columns of one length and times that rise are needed", "ae.simulate, table", "two rows or more")
+    values = np.column_stack(list(columns.values())) if columns else np.zeros((time.size, 0))
+    if not np.isfinite(values).all():
+        name = list(columns)[int(np.flatnonzero(~np.isfinite(values).all(axis=0))[0])]
+        raise AeroSloshError(
+            f"'{name}' holds a number that is not finite", "ae.simulate, table", "a finite number in every place"
+        )
+    return Table(time, list(columns), values)
