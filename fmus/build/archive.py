@@ -224,8 +224,15 @@ def _write_zip(path: Path, entries: dict[str, bytes]) -> None:
 
 
 def _project(root: Path) -> dict[str, object]:
+    """Version and dependencies: of the checkout, or of the installed package."""
     path = root.parent / "pyproject.toml"
-    return dict(tomllib.loads(path.read_text(encoding="utf-8"))["project"]) if path.is_file() else {}
+    if path.is_file():
+        return dict(tomllib.loads(path.read_text(encoding="utf-8"))["project"])
+    try:
+        own = importlib.metadata.distribution("aeroslosh")
+    except importlib.metadata.PackageNotFoundError:
+        return {}
+    return {"version": own.version, "dependencies": [line for line in own.requires or [] if "extra ==" not in line]}
 
 
 def _version(root: Path) -> str:
@@ -249,17 +256,27 @@ def _documentation(folder: Path, root: Path, description: ElementTree.Element) -
     found |= {f"documentation/{sources.REFERENCE}/{path.name}": path for path in (folder / sources.REFERENCE).glob("*.*")}
     if (icon := folder / sources.ICON).is_file():
         found["model.png"] = icon  # the name that FMI 2.0 gives it
-    if (licence := root.parent / "LICENSE").is_file():
+    if (licence := _licence(root, "aeroslosh")) is not None:
         found["documentation/licenses/license.txt"] = licence
     entries = {name: path.read_bytes() for name, path in found.items()}
-    for file in importlib.metadata.files("pythonfmu") or []:
-        if file.name == "LICENSE":
-            entries["documentation/licenses/pythonfmu.txt"] = Path(str(file.locate())).read_bytes()
+    if (licence := _licence(None, "pythonfmu")) is not None:
+        entries["documentation/licenses/pythonfmu.txt"] = licence.read_bytes()
     text = page.index(
         entries.get("documentation/README.md", b"").decode(), description,
         icon="model.png" in entries, picture=f"documentation/{sources.REFERENCE}/picture.svg" in entries,
     )  # fmt: skip
     return {**entries, "documentation/index.html": text.encode()}
+
+
+def _licence(root: Path | None, package: str) -> Path | None:
+    """The text of a package's licence: beside a checkout's `root`, else of the installed package."""
+    if root is not None and (root.parent / "LICENSE").is_file():
+        return root.parent / "LICENSE"
+    try:
+        listed = importlib.metadata.files(package) or []
+    except importlib.metadata.PackageNotFoundError:
+        return None
+    return next((Path(str(file.locate())) for file in listed if file.name == "LICENSE"), None)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -57,6 +57,8 @@ def put_march(file: netcdf_file, march: March, prefix: str = "") -> None:
         variable[:] = values
         variable.units = unit
         variable.long_name = long_name
+        if name not in ("time", "tau"):
+            variable.coordinates = f"{prefix}tau"  # CF: a second name of each instant
 
 
 def march_attributes(march: March) -> dict[str, Any]:
