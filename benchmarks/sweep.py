@@ -6,27 +6,23 @@ Real FMUs on a small mesh (64 x 16 cells), 4 fill levels x 16 V_f; the numbers o
 from __future__ import annotations
 
 import statistics
-import subprocess
-import sys
-import tempfile
 import time
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-SET = ("aero.cells_around=64", "aero.cells_normal=16", "flutter.free_cycles=8.0")
-SWEPT = ("slosh.fill_level=0.2:0.8:4", "flutter.V_f=0.4:0.8:16")
+import aeroslosh as ae
 
 
 def seconds(workers: int) -> float:
-    """Wall time of the whole command."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "aeroslosh", "sweep", str(ROOT / "cases" / "fill_sweep.toml"), "--out", f"{folder}/s"]
-        command += [word for text in SET for word in ("--set", text)] + [word for text in SWEPT for word in ("--grid", text)]
-        begin = time.perf_counter()
-        subprocess.run(
-            [*command, "--workers", str(workers), "--quiet", "--no-pictures"], check=True, capture_output=True, cwd=ROOT
-        )
-        return time.perf_counter() - begin
+    """Wall time of the sweep."""
+    case = ae.Case.load("fill_sweep").replace(
+        aero={"cells_around": 64, "cells_normal": 16}, flutter={"free_cycles": 8.0}, output={"pictures": False}
+    )
+    swept = {
+        "slosh.fill_level": {"from": 0.2, "to": 0.8, "count": 4},
+        "flutter.V_f": {"from": 0.4, "to": 0.8, "count": 16},
+    }
+    begin = time.perf_counter()
+    ae.sweep(case, swept, workers=workers)
+    return time.perf_counter() - begin
 
 
 def run(repeat: int = 3) -> None:

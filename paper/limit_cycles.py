@@ -5,34 +5,27 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+import aeroslosh as ae
+
 CYCLES = 40
 
 
 def main() -> None:
     """March and print."""
-    mach = sys.argv[1] if len(sys.argv) > 1 else "0.875"
-    speeds = sys.argv[2:] or ["0.6", "0.8", "1.0", "1.2", "1.42", "1.6", "1.8"]
+    mach = float(sys.argv[1]) if len(sys.argv) > 1 else 0.875
+    speeds = [float(word) for word in sys.argv[2:]] or [0.6, 0.8, 1.0, 1.2, 1.42, 1.6, 1.8]
+    case = ae.Case.isogai_a().replace(
+        flutter={"free_cycles": CYCLES, "forced_amplitude_deg": 3.0, "max_alpha_deg": 20.0}, output={"fields": False}
+    )
     print("| V_f | verdict | pitch amplitude | ω/ω_α | s CPU |\n|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as folder:
-        for V_f in speeds:
-            command = [sys.executable, "-m", "aeroslosh", "point", "cases/isogai_a.toml", "--mach", mach, "--vf", V_f]
-            command += ["--set", f"flutter.free_cycles={CYCLES}", "--set", "flutter.forced_amplitude_deg=3"]
-            command += ["--set", "flutter.max_alpha_deg=20", "--json", "--quiet", "--no-pictures", "--out", f"{folder}/{V_f}"]
-            done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-            if done.returncode not in (0, 4):
-                raise SystemExit(done.stderr)
-            result = json.loads(done.stdout)
-            amplitude = result["limit_cycle_amplitude_deg"]
-            size = "" if amplitude is None else f"{amplitude:.2f}°"
-            cost = result["cost"]["cpu_seconds"]
-            print(f"| {V_f} | {result['verdict']} | {size} | {result['frequency']:.3f} | {cost:.0f} |", flush=True)
+    for V_f in speeds:
+        point = ae.point(case, mach=mach, V_f=V_f)
+        amplitude = point.data["limit_cycle_amplitude_deg"]
+        size = "" if amplitude is None else f"{amplitude:.2f}°"
+        cost = point.data["cost"]["cpu_seconds"]
+        print(f"| {V_f:g} | {point.verdict} | {size} | {point.frequency:.3f} | {cost:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -8,37 +8,28 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
+
+import aeroslosh as ae
 
 ROOT = Path(__file__).resolve().parents[1]
 MACH, V_F = 0.80, 0.75
 AMPLITUDES_DEG = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0)
-FINE = ("slosh.cells_x=200", "slosh.cells_y=60")
-CURVES: dict[str, tuple[str, tuple[str, ...], tuple[float, ...]]] = {
-    "frozen": ("frozen", (), AMPLITUDES_DEG),
-    "linear slosh (EMS)": ("ems", (), AMPLITUDES_DEG),
-    "two-phase, 100 x 30": ("vof", (), AMPLITUDES_DEG),
+FINE: dict[str, object] = {"slosh.cells_x": 200, "slosh.cells_y": 60}
+CURVES: dict[str, tuple[str, dict[str, object], tuple[float, ...]]] = {
+    "frozen": ("frozen", {}, AMPLITUDES_DEG),
+    "linear slosh (EMS)": ("ems", {}, AMPLITUDES_DEG),
+    "two-phase, 100 x 30": ("vof", {}, AMPLITUDES_DEG),
     "two-phase, 200 x 60": ("vof", FINE, (0.1, 0.3, 0.5, 1.0, 2.0)),
-    "two-phase, implicit": ("vof", ("coupling.scheme=implicit",), (0.1, 0.5, 1.0)),
+    "two-phase, implicit": ("vof", {"coupling.scheme": "implicit"}, (0.1, 0.5, 1.0)),
 }
 Row = tuple[str, float, float, float, float, str, float]
 
 
-def point(model: str, amplitude_deg: float, settings: tuple[str, ...], fmus: Path) -> dict[str, object]:
-    """The result of one march. Raises SystemExit with the command's words where it fails."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "aeroslosh", "point", "cases/paper_s.toml", "--mach", str(MACH), "--vf", str(V_F)]
-        command += ["--slosh", model, "--fmus", str(fmus), "--json", "--quiet", "--no-pictures", "--out", f"{folder}/run"]
-        for setting in (f"flutter.forced_amplitude_deg={amplitude_deg}", *settings):
-            command += ["--set", setting]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    if done.returncode not in (0, 4):
-        raise SystemExit(done.stderr)
-    return dict(json.loads(done.stdout))
+def point(model: str, amplitude_deg: float, settings: dict[str, object], fmus: Path) -> ae.Point:
+    """One march. Raises ComponentError where an FMU fails."""
+    case = ae.Case.load("paper_s").changed({"flutter.forced_amplitude_deg": amplitude_deg} | settings)
+    return ae.point(case, mach=MACH, V_f=V_F, slosh=model, fmus=fmus)
 
 
 def run(fmus: Path) -> list[Row]:
@@ -46,12 +37,10 @@ def run(fmus: Path) -> list[Row]:
     rows: list[Row] = []
     for name, (model, settings, amplitudes) in CURVES.items():
         for amplitude in amplitudes:
-            r = point(model, amplitude, settings, fmus)
-            numbers = [float(str(r[key])) for key in ("growth_rate", "growth_rate_uncertainty", "frequency")]
-            cost = r["cost"]
-            assert isinstance(cost, dict)
-            rows.append((name, amplitude, numbers[0], numbers[1], numbers[2], str(r["verdict"]), float(cost["cpu_seconds"])))
-            print(f"{name}, {amplitude:g} deg: growth {numbers[0]:+.5f} ± {numbers[1]:.5f}, {r['verdict']}", flush=True)
+            p = point(model, amplitude, settings, fmus)
+            numbers = p.growth_rate, p.growth_rate_uncertainty, p.frequency
+            rows.append((name, amplitude, *numbers, str(p.verdict), float(p.data["cost"]["cpu_seconds"])))
+            print(f"{name}, {amplitude:g} deg: {p}", flush=True)
     return rows
 
 

@@ -1,7 +1,7 @@
 """Does fuel move the transonic flutter boundary? Preset S over Mach number: dry, frozen, linear slosh, two-phase slosh.
 
 `python -m paper.slosh_boundary [--mach M …] [--models MODEL …] [--fmus DIR] [--csv FILE] [--picture FILE]` runs
-`aeroslosh boundary cases/paper_s.toml --slosh MODEL` for each: a linear model foretells the onsets, marches of the Euler flow
+`aeroslosh boundary cases/paper_s.toml --slosh MODEL` for each: a linear model predicts the onsets, marches of the Euler flow
 confirm them.
 """
 
@@ -9,13 +9,10 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
-import subprocess
-import sys
-import tempfile
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
+import aeroslosh as ae
 from aeroslosh.master.case.fuel_tank import LABEL
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -38,20 +35,15 @@ class Row:
 
 
 def boundary(model: str, mach: list[float], fmus: Path) -> list[Row]:
-    """The onsets with one model of the liquid. Raises SystemExit with the command's words where it fails."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "aeroslosh", "boundary", "cases/paper_s.toml", "--slosh", model, "--json", "--quiet"]
-        command += ["--mach", *map(str, mach), "--fmus", str(fmus), "--no-pictures", "--out", f"{folder}/run"]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    if done.returncode not in (0, 4):
-        raise SystemExit(done.stderr)
+    """The onsets with one model of the liquid."""
+    found = ae.boundary(ae.Case.load("paper_s"), mach=mach, slosh=model, fmus=fmus)
     rows = []
-    for point in json.loads(done.stdout)["points"]:
+    for point in found.data["points"]:
         onset = next(c for c in point["crossings"] if c["direction"] == "onset")
         V_f, doubt, frequency = (float(onset[name]) for name in ("V_f", "V_f_uncertainty", "frequency"))
         cost = point["cost"]
-        foretold = [c["V_f"] for c in point["linear"]["crossings"] if c["marched_V_f"] == onset["V_f"]]
-        linear = foretold[0] if foretold else float("nan")
+        predicted = [c["V_f"] for c in point["linear"]["crossings"] if c["marched_V_f"] == onset["V_f"]]
+        linear = predicted[0] if predicted else float("nan")
         rows.append(Row(model, point["mach"], V_f, doubt, frequency, linear, cost["marches"], cost["cpu_seconds"]))
         print(rows[-1], flush=True)
     return rows
