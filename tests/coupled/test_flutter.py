@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +13,7 @@ from aeroslosh.master.boundary.search import boundary, search
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
-
-sys.path.insert(0, str(Path(__file__).parent))
-import theory
+from support import theory
 
 MACH = 0.3
 

@@ -13,8 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import record_doubles
-from record_doubles import TIMES, fragile, fragile_plan, plan, weigh
 
 from aeroslosh.fmus.slosh_rbf.training.dataset import LOADS, DatasetError, Planned, Progress, generate, load, read
 from aeroslosh.fmus.slosh_rbf.training.excitation import aprbs
@@ -26,8 +24,10 @@ from aeroslosh.fmus.tank.motion import SectionMotion
 from aeroslosh.master.base.errors import AeroSloshError
 from aeroslosh.master.results.history_file import read as read_history
 from aeroslosh.master.training.tank_records import LINEAR_LOADS, Drive
+from support import record_doubles
+from support.processes import supported
+from support.record_doubles import TIMES, fragile, fragile_plan, plan, weigh
 
-ROOT = Path(__file__).resolve().parents[2]
 MODEL = {"is": "a double"}
 
 
@@ -102,9 +102,7 @@ def test_damaged_and_other_records_are_computed_again(tmp_path: Path) -> None:
 
 
 def test_goes_on_after_kill_9(tmp_path: Path) -> None:
-    process = subprocess.Popen(
-        [sys.executable, record_doubles.__file__, str(tmp_path)], env=os.environ | {"PYTHONPATH": str(ROOT)}
-    )
+    process = subprocess.Popen([sys.executable, "-m", "support.record_doubles", str(tmp_path)], env=supported())
     deadline = time.monotonic() + 30.0
     while len(list(tmp_path.glob("*.nc"))) < 2 and time.monotonic() < deadline:
         time.sleep(0.01)
