@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from aeroslosh.master import cli
-from aeroslosh.master.base import interrupts
+from aeroslosh.master.base import files, interrupts
 from aeroslosh.master.base.errors import AeroSloshError, ExitCode
 from aeroslosh.master.boundary import strategy as boundary_strategy
 from aeroslosh.master.pictures import boundary as pictures_boundary
@@ -205,14 +205,14 @@ def test_a_full_disk_keeps_the_mach_numbers_before(
     flutter_fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The disk is full when the second Mach number's result is written."""
-    write, out = run_folder.atomic.write, tmp_path / "b"
+    write, out = files.write, tmp_path / "b"
 
     def full(path: Path, data: bytes) -> None:
         if path.name == "result.json" and path.exists():
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
         write(path, data)
 
-    monkeypatch.setattr(run_folder.atomic, "write", full)
+    monkeypatch.setattr(files, "write", full)
     with pytest.raises(AeroSloshError) as caught:
         cli.run(words("boundary", out, flutter_fmus, *MARCHED, "--mach", "0.3", "0.4", "0.5", "--quiet"))
     assert caught.value.code == ExitCode.INCOMPLETE and "The disk is full" in str(caught.value)
