@@ -174,3 +174,13 @@ def test_every_room_has_its_tests_under_its_name() -> None:
 
 def test_the_picture_is_of_this_code() -> None:
     assert rooms.DATA.read_text(encoding="utf-8") == rooms.table(rooms.edges(FOUND)), "run python docs/rooms.py"
+
+
+def test_pages_and_comments_name_tests_that_exist() -> None:
+    word = re.compile(r"\btests/[\w/]+\.(?:py|csv|c)\b")
+    told = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    for folder in ("master", "fmus", "paper", "benchmarks", "examples", "tests/support"):
+        told += [path for ending in ("py", "md") for path in (ROOT / folder).rglob(f"*.{ending}")]
+    named = {(path.relative_to(ROOT), name) for path in told for name in word.findall(path.read_text(encoding="utf-8"))}
+    assert [(path, name) for path, name in named if not (ROOT / name).is_file()] == []
+    assert len(named) > 20
