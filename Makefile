@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 PY := $(VENV)/bin/python
 RUN := $(VENV)/bin/aeroslosh
+WORKERS ?= 2
 STAMP := $(VENV)/.installed
 SOURCES := $(shell find fmus master -name '*.py' -o -name '*.csv' -o -name '*.md' 2>/dev/null)
 
@@ -12,7 +13,7 @@ flutter: dist/fmus/.built
 	$(RUN) boundary cases/isogai_a.toml --out runs/flutter_boundary
 
 test: dist/fmus/.built
-	$(PY) -m pytest -q
+	$(PY) -m pytest -q -n $(WORKERS) --dist loadfile
 
 validate: dist/fmus/.built
 	$(PY) -m pytest -m validation -s

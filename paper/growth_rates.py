@@ -1,4 +1,4 @@
-"""Growth rate of the flutter mode over V_f, march by march: the curves that tests/master/test_search_marched.py searches.
+"""Growth rate of the flutter mode over V_f, march by march: what tests/master/boundary/test_search_marched.py searches.
 
 `python -m paper.growth_rates CASE SLOSH POINTS MACH …` prints rows of CSV, V_f evenly spread in its logarithm from 0.2 to 3.
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -17,8 +18,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; befor
 
 from aeroslosh.fmus.build import archive as build_archive
 from aeroslosh.fmus.kit import sources
-
-DIST = Path(__file__).resolve().parents[1] / "dist" / "fmus"
+from support.doubles import build as doubles_build
+from support.once import once
+from support.paths import DIST
+from support.processes import supported
 
 
 def is_current(fmu: Path, folder: Path) -> bool:
@@ -34,14 +37,16 @@ def is_current(fmu: Path, folder: Path) -> bool:
 @pytest.fixture(scope="session")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str | Path], Path]:
     """Return a function: component name, or folder of a test component -> path of its FMU."""
-    out = tmp_path_factory.mktemp("fmus")
     built: dict[str, Path] = {}
 
     def get(component: str | Path) -> Path:
         folder = build_archive.ROOT / component if isinstance(component, str) else component
         if folder.name not in built:
             ready = DIST / f"{folder.name}.fmu"
-            built[folder.name] = ready if is_current(ready, folder) else build_archive.build(folder, out)
+            if not is_current(ready, folder):
+                made = once(tmp_path_factory, f"fmu_{folder.name}", lambda out: build_archive.build(folder, out))
+                ready = made / f"{folder.name}.fmu"
+            built[folder.name] = ready
         return built[folder.name]
 
     return get
@@ -49,20 +54,55 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str | Path], Path
 
 @pytest.fixture(scope="session")
 def host() -> Callable[..., Any]:
-    """Return a function that runs a scenario of fmu/host.py in a process of its own: a crash there is an
-    error.
-    """
-    script = Path(__file__).with_name("fmu") / "host.py"
+    """Return a function that runs a scenario of support/scenarios in a process of its own: a crash there is an error."""
 
     def run(scenario: str, *arguments: Any, **environment: str) -> Any:
         done = subprocess.run(
-            [sys.executable, str(script), scenario, json.dumps(arguments)],
+            [sys.executable, "-m", "support.scenarios", scenario, json.dumps(arguments)],
             text=True,
             capture_output=True,
-            env={**os.environ, **environment},
+            env=supported(**environment),
             timeout=300,
         )
         assert done.returncode == 0, f"exit code {done.returncode}\n{done.stdout}\n{done.stderr}"
         return json.loads(done.stdout.splitlines()[-1])
 
     return run
+
+
+@pytest.fixture(scope="session")
+def springs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with spring.fmu and stubborn.fmu, compiled from spring.c: the second cannot rewind."""
+    if doubles_build.compiler() is None:
+        pytest.skip("spring.c needs a C compiler `cc` on Linux x86-64")
+    return once(tmp_path_factory, "springs", doubles_build.springs)
+
+
+@pytest.fixture(scope="session")
+def doubles(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with oscillator.fmu, link.fmu, aero.fmu, plate.fmu, fixed.fmu (an oscillator that cannot rewind)."""
+    return once(tmp_path_factory, "doubles", doubles_build.doubles)
+
+
+@pytest.fixture(scope="session")
+def flutter_fmus(doubles: Path, fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the product's structure.fmu and slosh_ems.fmu, and the thin-airfoil double as aero.fmu."""
+
+    def fill(folder: Path) -> None:
+        for name in ("structure", "slosh_ems"):
+            shutil.copy(fmu(name), folder)
+        shutil.copy(doubles / "aero.fmu", folder)
+
+    return once(tmp_path_factory, "flutter_fmus", fill)
+
+
+@pytest.fixture(scope="session")
+def plate_fmus(doubles: Path, flutter_fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same with the flat plate in subsonic flow as aero.fmu."""
+
+    def fill(folder: Path) -> None:
+        for name in ("structure", "slosh_ems"):
+            shutil.copy(flutter_fmus / f"{name}.fmu", folder)
+        shutil.copy(doubles / "plate.fmu", folder / "aero.fmu")
+
+    return once(tmp_path_factory, "plate_fmus", fill)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +14,10 @@ from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march
 from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from support import liquid, possio
+from support.paths import CASES
 
-sys.path.insert(0, str(Path(__file__).parent))
-import liquid
-import possio
-
-CASE = Path(__file__).parents[2] / "cases" / "paper_s.toml"
+CASE = CASES / "paper_s.toml"
 # neutral V_f by Mach number and place of the tank x_T/b, by another solution of Possio's equation that claims 0.5 %
 DRY = {0.7: 1.6785, 0.8: 1.3514}
 FROZEN = {(0.7, 1.2): 1.6917, (0.7, 1.8): 1.6314, (0.7, 2.4): 1.5413, (0.8, 1.2): 1.3413, (0.8, 1.8): 1.2897, (0.8, 2.4): 1.2214}

@@ -4,16 +4,13 @@ A few of them; two thousand, and every neutral V_f of two hundred, in `make vali
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from aeroslosh.master.flutter.setup import find_fmus
-
-sys.path.insert(0, str(Path(__file__).parent))
-import sections
+from support import sections
 
 POINTS, BOUNDARIES, MANY = 40, 8, 2000
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +21,10 @@ from aeroslosh.master.flutter import march
 from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 from aeroslosh.master.fmi.component import Component
 from aeroslosh.master.linear import model as linear_model
+from support import liquid
+from support.paths import CASES
 
-sys.path.insert(0, str(Path(__file__).parent))
-import liquid
-
-CASE = Path(__file__).parents[2] / "cases" / "paper_s.toml"
+CASE = CASES / "paper_s.toml"
 ACADEMIC = 6.2831  # omega_alpha [rad/s] at which the section meets the liquid's waves
 START = np.array([0.01, 0.01])
 EXACT = Implicit(1, Criteria(1e-12, max_iterations=60))

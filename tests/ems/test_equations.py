@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +20,7 @@ from scipy.sparse.linalg import spsolve
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import lid_inertia, modes
 from aeroslosh.fmus.tank.potential import pitch_force, pitch_inertia, surge_mass
+from support.paths import ROOT
 
 G = 9.81
 PAPER = Tank(length=0.5, height=0.15)
@@ -30,7 +30,7 @@ TANKS = {
     "shallow": Tank(length=1.0, height=0.1),
     "tall": Tank(length=0.3, height=0.72),
 }
-PAGE = Path(__file__).parents[2] / "docs" / "ems.md"
+PAGE = ROOT / "docs" / "ems.md"
 
 
 def line(size: float, elements: int) -> tuple[np.ndarray, sparse.csr_array, sparse.csr_array]:

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "examples" / "road_tanker.py"
+from support.paths import ROOT
+
+SCRIPT = ROOT / "examples" / "road_tanker.py"
 MASS, LIQUID, GRAVITY, BRAKING = 8000.0, 5.0 * 0.75 * 2.3 * 840.0, 9.81, 0.4 * 9.81
 
 

@@ -12,10 +12,9 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from aeroslosh.fmus.build.archive import BuildError, build
+from support.paths import COMPONENTS
 
-HERE = Path(__file__).resolve().parent
-FAULTY = HERE / "components" / "faulty"
-KERNELS = HERE / "components" / "kernels"
+FAULTY, KERNELS = COMPONENTS / "faulty", COMPONENTS / "kernels"
 DISCARD = 2
 Fmu = Callable[[str | Path], Path]
 Host = Callable[..., Any]

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from aeroslosh.fmus.build import archive
+from support.paths import COMPONENTS
 
-KERNELS = Path(__file__).resolve().parents[1] / "fmu" / "components" / "kernels"
+KERNELS = COMPONENTS / "kernels"
 RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])

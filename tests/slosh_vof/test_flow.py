@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from motions import REST, Course, harmonic, march
 from scipy.optimize import brentq
 
 from aeroslosh.fmus.slosh_vof import step
@@ -16,6 +15,7 @@ from aeroslosh.fmus.slosh_vof.surface import flat, from_heights
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import lid_inertia
 from aeroslosh.fmus.tank.motion import SectionMotion, at, body_force, course
+from support.motions import REST, Course, harmonic, march
 
 WATER = 0.5 * 0.075 * 1000.0
 AIR = 0.5 * 0.075 * 1.2

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from motions import REST, harmonic, march, random
 
 from aeroslosh.fmus.slosh_vof import step
 from aeroslosh.fmus.slosh_vof.flow import Flow, FlowError, Fluids, Numerics
 from aeroslosh.fmus.slosh_vof.grid import Grid
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.motion import SectionMotion
+from support.motions import REST, harmonic, march, random
 
 VIOLENT = harmonic(25.0, 0.05, pitch=math.radians(4.0), plunge=0.0075)
 SHORT = 1.0

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
-from motions import march
 
 from aeroslosh.fmus.slosh_vof.flow import Flow
 from aeroslosh.fmus.slosh_vof.grid import Grid
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.motion import SectionMotion
 from benchmarks.interfoam import case_b, from_section, to_section
-
-DATA = Path(__file__).resolve().parents[1] / "data"
+from support.motions import march
+from support.paths import DATA
 
 
 def test_frames() -> None:

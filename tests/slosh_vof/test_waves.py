@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from motions import REST, harmonic, march
 from scipy.optimize import least_squares
 
 from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
@@ -14,6 +13,7 @@ from aeroslosh.fmus.slosh_vof.grid import Grid
 from aeroslosh.fmus.slosh_vof.surface import from_heights
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import modes, stokes_damping
+from support.motions import REST, harmonic, march
 
 
 def frequency(times: np.ndarray, values: np.ndarray, guess: float) -> tuple[float, float]:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from support.processes import command
+
 Run = Callable[..., dict[str, Any]]
 
 
@@ -25,9 +24,8 @@ def aeroslosh(tmp_path_factory: pytest.TempPathFactory, fmu: Callable[[str], Pat
 
     def run(*arguments: str) -> dict[str, Any]:
         folder = tmp_path_factory.mktemp("run") / "out"
-        command = [sys.executable, "-m", "aeroslosh", arguments[0], "cases/isogai_a.toml", *arguments[1:], "--json"]
-        command += ["--no-pictures", "--out", str(folder), "--fmus", str(fmus)]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        common = ("--json", "--no-pictures", "--out", folder, "--fmus", fmus)
+        done = command(arguments[0], "cases/isogai_a.toml", *arguments[1:], *common)
         assert done.returncode in (0, 4), done.stderr
         return {**json.loads(done.stdout), "folder": folder}
 

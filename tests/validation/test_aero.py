@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,9 +10,9 @@ from aeroslosh.fmus.aero.field import Motion
 from aeroslosh.fmus.aero.loads import pressure_coefficient
 from aeroslosh.fmus.aero.march import Flow
 from aeroslosh.fmus.aero.mesh import o_mesh
+from support.paths import DATA
 
 pytestmark = pytest.mark.validation
-DATA = Path(__file__).resolve().parents[1] / "data"
 
 
 def steady(

@@ -7,7 +7,6 @@ Theodorsen's, NACA Report 496); it gives V_f 2.281 at Mach 0.3 and 2.080 at Mach
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,9 @@ import pytest
 from scipy.io import netcdf_file
 
 from aeroslosh.master.analysis.damping import analyse
+from support.paths import DATA
 
 pytestmark = pytest.mark.validation
-DATA = Path(__file__).resolve().parents[1] / "data"
 Run = Callable[..., dict[str, Any]]
 
 

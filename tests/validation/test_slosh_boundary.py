@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from support.processes import command
+
 pytestmark = pytest.mark.validation
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -25,9 +24,9 @@ def curve(fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) 
 
     def run(model: str) -> list[dict[str, Any]]:
         folder = tmp_path_factory.mktemp("run") / "out"
-        command = [sys.executable, "-m", "aeroslosh", "boundary", "cases/paper_s.toml", "--mach", "0.7", "0.8", "--slosh", model]
-        command += ["--json", "--no-pictures", "--out", str(folder), "--fmus", str(fmus)]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        words = ["boundary", "cases/paper_s.toml", "--mach", "0.7", "0.8", "--slosh", model]
+        words += ["--json", "--no-pictures", "--out", str(folder), "--fmus", str(fmus)]
+        done = command(*words)
         assert done.returncode in (0, 4), done.stderr  # 4: linear slosh does not hold at 1 degree
         return json.loads(done.stdout)["points"]
 

@@ -5,16 +5,15 @@ from __future__ import annotations
 import csv
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from support.processes import command
+
 pytestmark = pytest.mark.validation
-ROOT = Path(__file__).resolve().parents[2]
 DEGREE = math.pi / 180
 LOADS = ("force_x", "force_y", "moment", "moment_residual")
 
@@ -37,10 +36,10 @@ def table(path: Path, omega: float, rise: float, duration: float, step: float, s
 
 
 def drive(fmu: Path, motion: Path, out: Path, settings: dict[str, object]) -> np.ndarray:
-    command = [sys.executable, "-m", "aeroslosh", "drive", str(fmu), "--input", str(motion), "--out", str(out), "--json"]
+    words = ["drive", str(fmu), "--input", str(motion), "--out", str(out), "--json"]
     for name, value in settings.items():
-        command += ["--set", f"{name}={value}"]
-    done = subprocess.run([*command, "--no-pictures"], cwd=ROOT, capture_output=True, text=True)
+        words += ["--set", f"{name}={value}"]
+    done = command(*words, "--no-pictures")
     assert done.returncode == 0, done.stderr
     json.loads(done.stdout)
     found = np.genfromtxt(out, delimiter=",", names=True)

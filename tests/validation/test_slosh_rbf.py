@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +12,10 @@ from aeroslosh.fmus.slosh_rbf.network import load
 from aeroslosh.fmus.slosh_rbf.surrogate import Surrogate
 from aeroslosh.fmus.slosh_rbf.training import dataset, plan, study
 from aeroslosh.master.training.tank_records import Drive
+from support.paths import ROOT
+from support.processes import command
 
 pytestmark = pytest.mark.validation
-ROOT = Path(__file__).resolve().parents[2]
 WEIGHTS = ROOT / "fmus" / "slosh_rbf" / "weights"
 
 
@@ -68,21 +67,8 @@ def test_the_size_of_the_load_after_break_up(data: study.Data) -> None:
 
 def march(model: str, amplitude: float, V_f: float, out: Path) -> dict[str, float]:
     """A point of preset S."""
-    words = [
-        sys.executable,
-        "-m",
-        "aeroslosh",
-        "point",
-        "cases/paper_s.toml",
-        "--slosh",
-        model,
-        "--vf",
-        str(V_f),
-        "--json",
-        "--quiet",
-    ]
-    words += ["--no-pictures", "--set", f"flutter.forced_amplitude_deg={amplitude}", "--out", str(out)]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    words = ["point", "cases/paper_s.toml", "--slosh", model, "--vf", V_f, "--json", "--quiet", "--no-pictures", "--out", out]
+    done = command(*words, "--set", f"flutter.forced_amplitude_deg={amplitude}")
     assert done.returncode in (0, 4), done.stderr  # 4: outside the model
     return json.loads(done.stdout)
 

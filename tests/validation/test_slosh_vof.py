@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,12 +16,10 @@ from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import modes
 from aeroslosh.fmus.tank.motion import course
 from benchmarks.interfoam import from_section
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "slosh_vof"))
-from motions import REST, Course, harmonic, march, random
+from support.motions import REST, Course, harmonic, march, random
+from support.paths import DATA
 
 pytestmark = pytest.mark.validation
-DATA = Path(__file__).resolve().parents[1] / "data"
 TANK = Tank(0.5, 0.15)
 DEGREE = math.pi / 180
 

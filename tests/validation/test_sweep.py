@@ -12,9 +12,10 @@ from aeroslosh.master.case import case as cases
 from aeroslosh.master.sweeps import parameters, plan
 from aeroslosh.master.sweeps.jobs import Job
 from aeroslosh.master.sweeps.workers import Worker
+from support.paths import CASES
 
 pytestmark = pytest.mark.validation
-CASE = Path(__file__).parents[2] / "cases" / "paper_s.toml"
+CASE = CASES / "paper_s.toml"
 SHORT = (
     "aero.cells_around=64", "aero.cells_normal=16", "flutter.forced_cycles=0.5", "flutter.free_cycles=1.5",
     "flutter.steps_per_cycle=24",

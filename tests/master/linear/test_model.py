@@ -1,0 +1,162 @@
+"""The linear model of the thin-airfoil double: its eigenvalues and neutral V_f are known exactly."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aeroslosh.master.base.errors import AeroSloshError
+from aeroslosh.master.boundary import strategy as boundary_strategy
+from aeroslosh.master.boundary.search import BoundaryPoint
+from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter import march as flutter_march
+from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.linear import model as linear_model
+from support import theory
+from support.paths import CASES
+from support.processes import called
+
+MACH = 0.3
+CASE = CASES / "isogai_a.toml"
+
+
+@pytest.fixture(scope="module")
+def model(flutter_fmus: Path) -> linear_model.LinearModel:
+    with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
+        return linear_model.identify(rig, 1.0)
+
+
+def test_it_foretells_a_motion_it_was_not_fitted_to(model: linear_model.LinearModel) -> None:
+    assert model.fit_error.max() < 5e-4 and model.check_error.max() < 5e-4
+    assert model.note == ""
+
+
+@pytest.mark.parametrize("V_f", [0.6, 1.0, 1.5, 2.4, 2.8])
+def test_eigenvalues(model: linear_model.LinearModel, V_f: float) -> None:
+    exact = theory.eigenvalues(model.case, MACH, V_f)
+    ours = model.eigenvalues(V_f)
+    for value in exact[:2]:
+        if value.imag / (V_f * np.sqrt(60.0)) < linear_model.BAND:  # what was swept
+            assert np.min(np.abs(ours - value)) < 1e-3 * abs(value)
+
+
+def test_neutral_V_f(model: linear_model.LinearModel) -> None:
+    expected = theory.neutral(model.case, MACH, 1.5, 3.0)
+    [found] = model.crossings(0.5, 3.0)
+    assert found.V_f == pytest.approx(expected, rel=1e-3)
+    assert found.frequency == pytest.approx(theory.eigenvalues(model.case, MACH, expected)[0].imag, rel=1e-3)
+    rates = [theory.eigenvalues(model.case, MACH, expected + d)[0].real for d in (-1e-3, 1e-3)]
+    slope = (rates[1] - rates[0]) / 2e-3
+    assert found.direction == "onset" and found.slope == pytest.approx(slope, rel=0.05)
+    assert found.uncertainty < 2e-3 * expected
+
+
+def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: linear_model.LinearModel) -> None:
+    gain = model.aero.response(np.array([0.0]))[0]
+    assert gain[:, 0] == pytest.approx(gain[:, 1], rel=1e-3)
+    assert gain[0].real == pytest.approx(2.0 * np.pi, rel=0.01)
+
+
+def test_a_face_without_motion_inputs_is_refused(flutter_fmus: Path) -> None:
+    with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
+        del rig.aero.input_index["h_ddot"]
+        with pytest.raises(AeroSloshError, match="no Real input h_ddot"):
+            linear_model.identify(rig, 1.0)
+
+
+def run(fmus: Path, out: Path, *arguments: str) -> tuple[int, dict]:
+    words = ("boundary", CASE, *arguments, "--json", "--out", out)
+    done = called(*words, AEROSLOSH_FMUS=str(fmus))
+    assert done.stdout, done.stderr
+    return done.returncode, json.loads(done.stdout)
+
+
+def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear_model.LinearModel) -> None:
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "0.35", "--method", "linear")
+    assert code == 0
+    for point in data["points"]:
+        expected = theory.neutral(model.case, point["mach"], 1.5, 3.0)
+        [crossing] = point["crossings"]
+        assert crossing["V_f"] == pytest.approx(expected, rel=1e-3) and crossing["source"] == "linear"
+        assert point["converged"] and not point["marches"]
+        assert point["linear"]["crossings"][0]["state"] == "not marched"
+        assert max(point["linear"]["check_error"]) < 1e-3
+    assert (tmp_path / "run" / "boundary.png").is_file()
+
+
+def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model: linear_model.LinearModel) -> None:
+    """Three marches confirm the linear value; half the step, half the amplitude and a coarser mesh go into the error bar."""
+    settings = ("--set", "flutter.steps_per_cycle=300", "--set", "coupling.scheme=implicit")
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "both", "--uncertainty", *settings)
+    assert code == 0
+    [point] = data["points"]
+    [crossing], [foretold] = point["crossings"], point["linear"]["crossings"]
+    assert crossing["V_f"] == pytest.approx(theory.neutral(model.case, MACH, 1.5, 3.0), rel=1e-3)
+    assert crossing["source"] == "march" and len(point["marches"]) <= 3
+    assert foretold["state"] == "confirmed" and foretold["marched_V_f"] == crossing["V_f"]
+    assert set(crossing["uncertainty_parts"]) == {"fit", "interpolation", "step", "amplitude", "mesh"}
+    assert abs(crossing["uncertainty_parts"]["amplitude"]) < 1e-3
+    assert abs(crossing["uncertainty_parts"]["mesh"]) < 1e-9  # the double has none
+    assert crossing["V_f_uncertainty"] < 5e-3 * crossing["V_f"]
+
+
+def test_a_failing_component_with_the_linear_model_alone(flutter_fmus: Path, tmp_path: Path) -> None:
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "linear", "--set", "flow.airfoil=FAIL 20")
+    assert code == 3
+    assert data["points"][0]["outcome"].startswith("no linear model: Component 'aero' failed")
+
+
+def test_an_answer_that_is_no_number_leaves_the_marches(flutter_fmus: Path, tmp_path: Path) -> None:
+    code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "linear", "--set", "flow.airfoil=NAN 20")
+    assert code == 4
+    assert "not a number in step 20" in data["points"][0]["outcome"]
+
+
+def confirmed(
+    fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch, high: float = 3.0
+) -> tuple[BoundaryPoint, list[str]]:
+    """What marches of the Isogai section make of `model`, whatever section it is of."""
+    case, said = Case(), []
+    case.boundary.V_f_range = [0.5, high]
+    monkeypatch.setattr(linear_model, "identify", lambda *_: model)
+    with FlutterRig(case, find_fmus(fmus), MACH) as rig:
+        strategy = boundary_strategy.Confirm(case, lambda mach: rig, lambda case, mach: rig, said.append, marching=True)
+        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 1.0, 0.05), said
+
+
+def test_a_prediction_that_is_ten_percent_off_is_put_right(
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    section = replace(model.case.section, x_alpha=1.75)
+    wrong = replace(model, case=replace(model.case, section=section))
+    point, _ = confirmed(flutter_fmus, wrong, monkeypatch)
+    exact = theory.neutral(model.case, MACH, 1.5, 3.0)
+    [prediction] = point.predictions
+    assert abs(prediction.crossing.V_f / exact - 1.0) > 0.02
+    assert prediction.state == "confirmed" and point.converged
+    assert point.crossings[0].V_f == pytest.approx(exact, rel=3e-3)
+
+
+def test_a_prediction_that_marches_contradict_is_recorded(
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A model whose aerodynamics are three times too strong foretells an onset far below the true one."""
+    strong = replace(
+        model, aero=replace(model.aero, residues=3.0 * model.aero.residues, feedthrough=3.0 * model.aero.feedthrough)
+    )
+    point, _ = confirmed(flutter_fmus, strong, monkeypatch)
+    assert {p.state for p in point.predictions} == {"contradicted"}
+    assert not point.crossings and not point.converged
+    assert "not confirmed" in point.outcome and "(sweeps of 1°)" in point.outcome
+
+
+def test_no_crossing_foretold_is_checked_by_marches(
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    point, said = confirmed(flutter_fmus, model, monkeypatch, high=2.0)
+    assert point.converged and not point.crossings and 3 <= len(point.marches) <= 5
+    assert point.outcome.startswith("no crossing: damped") and "no crossing in range; marches at" in said[-1]

@@ -1,0 +1,1 @@
+"""What tests share: paths, processes, doubles, exact answers. `from support import …` (pytest puts `tests` on its path)."""

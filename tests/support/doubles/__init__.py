@@ -1,0 +1,1 @@
+"""Cheap FMUs that stand in for the product's, and small systems whose motion is known exactly."""
