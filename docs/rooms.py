@@ -25,6 +25,7 @@ FLOORS = (
     ("results",),
     ("pictures",),
     ("sweeps", "ssp", "hosts", "training"),
+    ("api",),
     ("commands",),
     ("cli",),
 )
@@ -43,6 +44,7 @@ WHAT = {
     "ssp": "archives for other tools",
     "hosts": "other people's tools",
     "training": "a network's records",
+    "api": "the Python interface",
     "commands": "one module a command",
     "cli": "the command line",
 }
