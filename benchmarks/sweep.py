@@ -1,7 +1,7 @@
 """64 points of a sweep on one local worker and on two: seconds of wall time, worker start included.
 
 Real FMUs on a small mesh (64 x 16 cells), 4 fill levels x 16 V_f; the numbers of both runs are compared bit by bit elsewhere
-(tests/master/sweeps/test_sweep.py). Needs two idle cores."""
+(tests/master/sweeps/test_same_numbers.py). Needs two idle cores."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def test_eigenvalues(fmu: liquid.Fmu, scheme: Scheme, split: str, steps: int) ->
     """All five modes, section at resonance with the waves: frequency and damping to 1e-5; `steps` of the fastest period."""
     expected = liquid.eigenvalues(*liquid.system(section(), liquid.TANK))
     dt = 2.0 * np.pi / expected[-1].imag / steps
-    run = liquid.march(fmu, scheme, dt, round(12.0 / dt), section(), liquid.TANK, split)
+    run = liquid.march(fmu, scheme, dt, round(6.0 / dt), section(), liquid.TANK, split)
     channels = ("structure.h", "structure.alpha", "slosh.force_x", "slosh.moment_residual")
     sample = slice(None, None, steps // 8)
     seen = np.array([run[name][sample] / np.std(run[name]) for name in channels])
@@ -71,7 +71,7 @@ def test_every_route_ends_at_the_same_motion(fmu: liquid.Fmu) -> None:
     ):
         errors = []
         for steps in (50, 100):
-            run = liquid.march(fmu, scheme, period / steps, 10 * steps, section(), liquid.TANK, split)
+            run = liquid.march(fmu, scheme, period / steps, 5 * steps, section(), liquid.TANK, split)
             gap = np.stack([run["structure.h"], run["structure.alpha"]]) - exact(run["time"])
             errors.append(float(np.max(np.abs(gap) / START[:, None])))
         assert errors[1] < worst, (scheme.name, split, errors)

@@ -113,6 +113,7 @@ def test_communication_steps_do_not_matter(fmu: Fmu, host: Host) -> None:
         np.testing.assert_allclose(coarse / moving, fine[::4] / moving, rtol=0.0, atol=2e-7)
 
 
+@pytest.mark.validation  # a time: for an idle machine
 @pytest.mark.parametrize("parametric", [False, True])
 @pytest.mark.parametrize("count", [8, 100])
 def test_cost(fmu: Fmu, host: Host, count: int, parametric: bool) -> None:

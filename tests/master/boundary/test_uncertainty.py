@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -29,19 +31,25 @@ def case_of(steps_per_cycle: int, richardson: bool = False) -> Case:
     return case
 
 
-def searched(fmus: Path, case: Case) -> tuple[BoundaryPoint, list[str]]:
-    """The point at MACH, and what the user was told."""
-    found, said = find_fmus(fmus), []
+@pytest.fixture(scope="module")
+def searched(flutter_fmus: Path) -> Callable[..., BoundaryPoint]:
+    """Return a function: arguments of `case_of` → the point at MACH; each is searched once."""
+    return cache(lambda *settings: search_of(flutter_fmus, case_of(*settings)))
+
+
+def search_of(fmus: Path, case: Case) -> BoundaryPoint:
+    """The point at MACH."""
+    found = find_fmus(fmus)
     with FlutterRig(case, found, MACH) as rig:
-        strategy = Confirm(case, lambda mach: rig, lambda of, mach: FlutterRig(of, found, mach), said.append, marching=True)
-        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.0, None), said
+        strategy = Confirm(case, lambda mach: rig, lambda of, mach: FlutterRig(of, found, mach), print, marching=True)
+        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.0, None)
 
 
-def test_the_step_s_part_is_the_step_s_error(flutter_fmus: Path) -> None:
+def test_the_step_s_part_is_the_step_s_error(searched: Callable[..., BoundaryPoint]) -> None:
     """To 15 %: the growth rate bends here, and one march tells the shift by its slope. Fit and interpolation: 0.02 % of V_f."""
     case = case_of(200)
     exact = theory.neutral(case, MACH, 1.5, 3.0)
-    point, _ = searched(flutter_fmus, case)
+    point = searched(200)
     [crossing] = point.crossings
     error = exact - crossing.V_f
     assert crossing.met and abs(error) > 2e-3 * exact  # else there is nothing to tell
@@ -53,15 +61,15 @@ def test_the_step_s_part_is_the_step_s_error(flutter_fmus: Path) -> None:
     assert abs(crossing.parts["mesh"]) < 1e-9
 
 
-def test_the_step_s_part_is_of_second_order(flutter_fmus: Path) -> None:
+def test_the_step_s_part_is_of_second_order(searched: Callable[..., BoundaryPoint]) -> None:
     """To half an order: the slope that turns growth rates into V_f is known to a quarter in each of the two."""
-    parts = [searched(flutter_fmus, case_of(steps))[0].crossings[0].parts["step"] for steps in (200, 400)]
+    parts = [searched(steps).crossings[0].parts["step"] for steps in (200, 400)]
     assert 2.0**1.5 < parts[0] / parts[1] < 2.0**2.5
 
 
-def test_three_meshes_and_the_number_of_marches_are_told(flutter_fmus: Path) -> None:
+def test_three_meshes_and_the_number_of_marches_are_told(searched: Callable[..., BoundaryPoint]) -> None:
     """Two marches for step and amplitude, one on each coarser mesh; all in JSON and summary."""
-    point, _ = searched(flutter_fmus, case_of(100, richardson=True))
+    point = searched(100, True)
     data = results_summary.point_data(point)
     [crossing] = data["crossings"]
     assert crossing["richardson"]["cells"] == ((168, 48), (112, 32), (75, 21))

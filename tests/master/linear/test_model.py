@@ -90,7 +90,7 @@ def test_command_linear(flutter_fmus: Path, tmp_path: Path, model: linear_model.
 
 def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model: linear_model.LinearModel) -> None:
     """Three marches confirm the linear value; half the step, half the amplitude and a coarser mesh go into the error bar."""
-    settings = ("--set", "flutter.steps_per_cycle=300", "--set", "coupling.scheme=implicit")
+    settings = ("--set", "flutter.steps_per_cycle=200", "--set", "coupling.scheme=implicit")
     code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "both", "--uncertainty", *settings)
     assert code == 0
     [point] = data["points"]

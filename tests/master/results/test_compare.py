@@ -17,7 +17,7 @@ from aeroslosh.master.flutter.march import March
 from aeroslosh.master.results import history_file, point_file
 from aeroslosh.master.results.history_difference import difference
 from aeroslosh.master.results.provenance import provenance
-from support.processes import command
+from support.processes import Done, called, command
 
 Writer = Callable[..., Path]
 Marcher = Callable[..., March]
@@ -276,24 +276,24 @@ def test_bad_input_is_refused(point_run: Writer, made_up: Marcher, tmp_path: Pat
 def test_a_repeated_run_is_the_same_and_another_predictor_is_not(
     fmu: Callable[[str], Path], tmp_path: Path, compared: Any
 ) -> None:
-    """Real marches on a small mesh, each in a process of its own."""
+    """Real marches on a small mesh: two in processes of their own, one from the record in this process, to the same bits."""
     for name in ("structure", "aero"):
         shutil.copy(fmu(name), tmp_path)
     small = ["aero.cells_around=64", "aero.cells_normal=16", "flutter.free_cycles=1.5", "flutter.forced_cycles=1"]
     small += ["flutter.max_free_cycles=1.5", "flutter.steps_per_cycle=72"]
 
-    def point(name: str, case: str | Path, *overrides: str) -> Path:
+    def point(run: Callable[..., Done], name: str, case: str | Path, *overrides: str) -> Path:
         words = [word for o in overrides for word in ("--set", o)]
         words += ["--no-pictures", "--quiet", "--out", str(tmp_path / name)]
-        done = command("point", case, "--fmus", tmp_path, *words)
+        done = run("point", case, "--fmus", tmp_path, *words)
         assert done.returncode in (0, 4), done.stderr  # so short a march may have no verdict
         return tmp_path / name
 
     case = "cases/isogai_a.toml"
-    first, again = point("first", case, *small), point("again", case, *small)
+    first, again = point(command, "first", case, *small), point(command, "again", case, *small)
     # the record alone is enough
-    repeated = point("repeated", first / "case.toml")
-    other = point("other", first / "case.toml", "coupling.predictor_order=0")
+    repeated = point(called, "repeated", first / "case.toml")
+    other = point(called, "other", first / "case.toml", "coupling.predictor_order=0")
     for run in (again, repeated):
         code, said = compared(first, run)
         assert code == 0 and said["histories"][0]["same"] and not said["results"] and not said["details"] and not said["settings"]
