@@ -28,7 +28,8 @@ print(curve.modes(V_f=0.8, mach=0.8))
 figure = curve.plot()
 
 # %% A sweep: a Dataset over the swept keys. With folder="runs/map" it can be interrupted, goes on, and opens again: ae.open
-grid = ae.sweep(case, {"flutter.V_f": [0.7, 0.8, 0.9], "slosh.model": ["none", "frozen"]}, workers=2)
+fuel = ae.Case.load("paper_s").replace(flow={"mach": 0.8}, aero={"cells_around": 96, "cells_normal": 24})
+grid = ae.sweep(fuel, {"flutter.V_f": [0.7, 0.78, 0.9], "slosh.model": ["none", "frozen"]}, workers=2)
 print(grid.growth_rate.sel({"slosh.model": "none"}).values)
 print(grid.verdict.to_pandas())
 
