@@ -20,8 +20,8 @@ from ..cosim.progress import Progress
 from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterRig, find_fmus
+from ..results import by_value, trust
 from ..results import summary as results_summary
-from ..results import trust
 from ..results.run_folder import RunFolder, provenance, write_history
 from . import common
 
@@ -105,6 +105,7 @@ class Kept:
             "slosh": self.case.slosh.model,
             "airfoil_summary": self.airfoil or None,
             "points": self._rows,
+            "matched": by_value.matched(self._rows),
             "unfinished": self.case.boundary.mach[self._finished :],
             "cost": cost,
         } | self._told
