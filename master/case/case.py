@@ -120,7 +120,7 @@ def _places(data: Mapping[str, Any], lines: settings.Lines, path: Path) -> dict[
     found = {}
     for table, content in data.items():
         for name, value in content.items():
-            line = lines.get((table, name), lines.get((f"{table}.{name}", ""), "?"))
+            line = lines.get((table, name), lines.get((f"{table}.{name}", ""), lines.get(("", table), "?")))
             found[f"{table}.{name}"] = f"{path}, line {line}, key {table}.{name}"
             for entry in value if isinstance(value, dict) else ():
                 own = lines.get((f"{table}.{name}", entry), line)
