@@ -44,13 +44,14 @@ def of_crossing(point: BoundaryPoint, V_f: float) -> dict[str, float | None] | N
 
 def matched(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Where the wing of the case flutters in its air: between neighbouring Mach numbers of which the lowest neutral V_f of one
-    is above the wing's own and that of the other below, linear in the margin. Empty for a section without frequencies."""
+    is above the wing's own and that of the other below, both linear in Mach. Empty for a section without frequencies."""
     known = [(row["mach"], m, row["by_value"]) for row in sorted(rows, key=lambda r: r["mach"]) if (m := _margin(row))]
     found = []
     for (low, first, begin), (high, second, end) in itertools.pairwise(known):
-        if (first - 1.0) * (second - 1.0) > 0.0 or first == second:
+        if (first > 1.0) is (second > 1.0):
             continue
-        share = (first - 1.0) / (first - second)
+        before, after = begin["own_V_f"] * (first - 1.0), end["own_V_f"] * (second - 1.0)
+        share = before / (before - after)
         ratio = (low + share * (high - low)) / low
         values = [begin["airspeed"] * ratio, begin["equivalent_airspeed"] * ratio, begin["dynamic_pressure"] * ratio**2]
         about = {"mach": low * ratio, "between": [low, high], "margins": [first, second], "onset": first > second}
