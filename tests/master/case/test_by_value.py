@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from aeroslosh.master.base.errors import AeroSloshError, ExitCode
-from aeroslosh.master.case import atmosphere, by_value, checks, dimensions
+from aeroslosh.master.case import atmosphere, by_value, checks, dimensions, plausible
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.case.scales import scales
@@ -311,3 +311,12 @@ def test_a_crossing_by_value(tmp_path: Path) -> None:
     assert found["flutter_dynamic_pressure"] == pytest.approx(0.6 * (0.55 * SOUND) ** 2)
     free = dimensions.crossing(s, None)
     assert free["neutral_pitch_frequency"] == pytest.approx(10.0 / 1.1) and free["margin"] is free["flutter_airspeed"] is None
+
+
+def test_feet_and_radians_are_asked_about(tmp_path: Path) -> None:
+    feet = {"flow__static_pressure": None, "flow__static_temperature": None, "flow__altitude": 35000.0}
+    case = loaded(tmp_path, **feet, section__pitch_frequency=628.3, section__plunge_frequency=251.3, flow__mach=0.8)
+    doubts = "\n".join(plausible.doubts(case))
+    assert "flow.altitude = 35000 m is unusual" in doubts and "35000 ft is 10668 m" in doubts
+    assert "section.pitch_frequency = 628.3 Hz is unusual" in doubts and "628.3 rad/s is 99.9" in doubts
+    assert not plausible.doubts(loaded(tmp_path))
