@@ -46,9 +46,9 @@ def section(s: Scales) -> dict[str, float]:
 
 
 def crossing(s: Scales, own_omega_alpha: float | None) -> dict[str, float | None]:
-    """What a neutral V_f means in the stream of `s`, whose V_f it is: the pitch frequency [Hz] that would be neutral there;
-    and of a wing with a pitch frequency of its own [rad/s] its V_f, the margin (neutral V_f over its own), and the speeds at
-    which it would be neutral with its own stiffness at this Mach number in air of this density.
+    """What a neutral V_f means in the stream of `s`, whose V_f it is: the pitch frequency [Hz] that would be neutral there with
+    the same masses and frequency ratio; and of a wing with a pitch frequency of its own [rad/s] its V_f, the margin (neutral
+    V_f over its own), and the speeds at which it would be neutral with its own stiffness at this Mach number and this density.
 
     That speed is V_f b omega_alpha sqrt(mu) = margin x airspeed: a flight condition (a matched point) only where the margin is
     1, for this air's temperature ties the speed to the Mach number. None where the wing has no frequency of its own."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -122,6 +123,22 @@ def test_refusals_name_file_line_and_key(
     override = f"{table}.parameters.{name}={value}"
     said = refused(tmp_path, fmus, HEAD, override)
     assert what in said and f"where:  --set {override}" in said
+
+
+def test_every_parameter_has_its_one_place_and_the_page_names_it(fmus: dict[str, Path], fmu: Callable[[str], Path]) -> None:
+    """A key of the case or a table of parameters; docs/cases.md has all of the latter and no others."""
+    owners = {"aero": ["aero"], "structure": ["structure"], "slosh": ["slosh_ems", "slosh_rbf", "slosh_vof"]}
+    page = (Path(__file__).parents[3] / "docs" / "cases.md").read_text().partition("names without a key of their own")[2]
+    for table, names in owners.items():
+        found: set[str] = set()
+        for name in names:
+            component = Component(fmu(name), name)
+            found |= {v.name for v in component.variables.values() if v.causality == "parameter"}
+            component.close()
+        reserved = set(fmu_parameters.RESERVED[table])
+        assert reserved - found <= {"model", "predictor", "split"}
+        row = next(line for line in page.splitlines() if line.startswith(f"| `[{table}.parameters]`"))
+        assert set(re.findall(r"`([a-z_]+)`", row.split("|")[2].partition("(")[0])) == found - reserved
 
 
 def test_one_table_on_a_line_is_the_same(tmp_path: Path, fmus: dict[str, Path]) -> None:
