@@ -3,53 +3,21 @@
 from __future__ import annotations
 
 import math
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from aeroslosh.master.base.errors import AeroSloshError, ExitCode
+from aeroslosh.master.base.errors import AeroSloshError
 from aeroslosh.master.case import atmosphere, by_value, checks, dimensions, plausible
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.case.scales import scales
-from aeroslosh.master.sweeps import parameters, plan
 
-WING: dict[str, dict[str, Any]] = {
-    "section": {
-        "chord": 2.0, "elastic_axis": 0.35, "mass": 60.0 * math.pi, "x_cg": 0.45, "inertia": 15.0 * math.pi,
-        "plunge_frequency": 4.0, "pitch_frequency": 10.0,
-    },
-    # 1.2 kg/m3 in the master's air (R = 287.05)
-    "flow": {"mach": 0.5, "static_pressure": 1.2 * 287.05 * 300.0, "static_temperature": 300.0, "airfoil": "NACA 0012"},
-}  # fmt: skip
-SOUND = math.sqrt(1.4 * 287.05 * 300.0)
-
-
-def write(path: Path, **changes: Any) -> Path:
-    """WING as a file, with keys (table__key) changed, or left out where None."""
-    tables: dict[str, dict[str, Any]] = {name: dict(content) for name, content in WING.items()}
-    for dotted, value in changes.items():
-        table, _, key = dotted.partition("__")
-        tables.setdefault(table, {})[key] = value
-    lines = []
-    for table, content in tables.items():
-        lines.append(f"[{table}]")
-        lines += [f"{k} = {v!r}".replace("'", '"') for k, v in content.items() if v is not None]
-    path.write_text("\n".join(lines) + "\n")
-    return path
-
-
-def loaded(tmp_path: Path, command: str = "point", overrides: tuple[str, ...] = (), **changes: Any) -> Case:
-    return cases.load(write(tmp_path / "wing.toml", **changes), overrides, command)
-
-
-def refused(tmp_path: Path, command: str = "point", overrides: tuple[str, ...] = (), **changes: Any) -> str:
-    with pytest.raises(AeroSloshError) as caught:
-        loaded(tmp_path, command, overrides, **changes)
-    assert caught.value.code == ExitCode.INPUT and caught.value.remedy
-    return str(caught.value)
+sys.path.insert(0, str(Path(__file__).parent))
+from wing import FORMS, SOUND, loaded, refused
 
 
 def test_hand_values(tmp_path: Path) -> None:
@@ -62,29 +30,6 @@ def test_hand_values(tmp_path: Path) -> None:
     V_f = loaded(tmp_path).flutter.V_f
     assert V_f == pytest.approx(0.5 * SOUND / (20.0 * math.pi * math.sqrt(50.0)), rel=1e-14)
     assert V_f == pytest.approx(0.39076, rel=1e-4)  # by a pocket calculator: 173.61 / (62.832 x 7.0711)
-
-
-FORMS = {  # the same wing in other words
-    "imbalance": {"section__x_cg": None, "section__static_imbalance": 12.0 * math.pi},
-    "inertia about the centre of mass": {"section__inertia": None, "section__inertia_cg": (15.0 - 60.0 * 0.04) * math.pi},
-    "pitch stiffness": {
-        "section__pitch_frequency": None, "section__pitch_stiffness": 15.0 * math.pi * (20.0 * math.pi) ** 2,
-    },
-    "plunge stiffness": {
-        "section__plunge_frequency": None, "section__plunge_stiffness": 60.0 * math.pi * (8.0 * math.pi) ** 2,
-    },
-    "dimensionless centre of mass": {"section__x_cg": None, "section__x_alpha": 0.2},
-    "dimensionless inertia": {"section__inertia": None, "section__r2_alpha": 0.25},
-    "dimensionless plunge": {"section__plunge_frequency": None, "section__frequency_ratio": 0.4},
-    "airspeed": {"flow__mach": None, "flutter__airspeed": 0.5 * SOUND},
-    "equivalent airspeed": {"flow__mach": None, "flutter__equivalent_airspeed": 0.5 * SOUND * math.sqrt(1.2 / 1.225)},
-    "dynamic pressure": {"flow__mach": None, "flutter__dynamic_pressure": 0.5 * 1.2 * (0.5 * SOUND) ** 2},
-    "all dimensionless": {
-        "section__mass": None, "section__x_cg": None, "section__inertia": None, "section__plunge_frequency": None,
-        "section__pitch_frequency": None, "section__mass_ratio": 50.0, "section__x_alpha": 0.2, "section__r2_alpha": 0.25,
-        "section__frequency_ratio": 0.4, "flutter__V_f": 0.5 * SOUND / (20.0 * math.pi * math.sqrt(50.0)),
-    },
-}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", FORMS)
@@ -247,51 +192,6 @@ def test_the_resolved_case_is_the_same_case_in_both_forms(tmp_path: Path, name: 
 def test_no_default_is_told_of_what_follows(tmp_path: Path) -> None:
     told = checks.defaults(loaded(tmp_path), "point")
     assert not {"section.mass_ratio", "flutter.V_f", "section.mass", "flow.altitude", "aero.parameters"} & set(told)
-
-
-def planned(tmp_path: Path, text: str, **changes: Any) -> plan.Plan:
-    fmus = tmp_path / "fmus"
-    fmus.mkdir(exist_ok=True)
-    for name in ("structure", "aero"):
-        (fmus / f"{name}.fmu").write_bytes(name.encode())
-    path = write(tmp_path / "wing.toml", **changes)
-    path.write_text(path.read_text() + text)
-    case = cases.load(path)
-    return plan.make(case, parameters.from_case(case, path), fmus, str(path))
-
-
-def test_a_sweep_over_altitude_converts_every_point(tmp_path: Path) -> None:
-    text = '[sweep.parameters]\n"flow.altitude" = [0.0, 5000.0, 10000.0]\n'
-    made = planned(tmp_path, text, flow__static_pressure=None, flow__static_temperature=None)
-    assert len({p.id for p in made.points}) == 3
-    for point, altitude in zip(made.points, (0.0, 5000.0, 10000.0), strict=True):
-        c = point.case
-        s = scales(c, c.flow.mach, c.flutter.V_f)
-        assert c.flow.static_pressure == atmosphere.air(altitude)[0]
-        assert (s.mass, s.omega_alpha) == pytest.approx((60.0 * math.pi, 20.0 * math.pi), rel=1e-13)
-        assert dimensions.stream(s)["pressure_altitude"] == pytest.approx(altitude, abs=1e-6)
-    ratios = [p.case.section.mass_ratio for p in made.points]
-    assert ratios[2] / ratios[0] == pytest.approx(1.225 / 0.412707, rel=1e-5)
-
-
-def test_sweeps_over_other_keys_by_value(tmp_path: Path) -> None:
-    made = planned(tmp_path, '[sweep.parameters]\n"section.mass" = { from = 100.0, to = 200.0, count = 3 }\n')
-    assert [p.case.section.mass for p in made.points] == [100.0, 150.0, 200.0]
-    assert [p.case.section.mass_ratio * 1.2 * math.pi for p in made.points] == pytest.approx([100.0, 150.0, 200.0])
-    with pytest.raises(AeroSloshError, match=r"flutter\.V_f and section\.pitch_frequency are both given"):
-        planned(tmp_path, '[sweep.parameters]\n"flutter.V_f" = [0.4, 0.5]\n')
-
-
-def test_a_sweep_s_case_toml_is_read_again(tmp_path: Path) -> None:
-    """What the sweep brings is in no other form in the folder's case."""
-    path = write(tmp_path / "wing.toml", flow__static_pressure=None, flow__static_temperature=None)
-    path.write_text(path.read_text() + '[sweep.parameters]\n"flow.altitude" = [0.0, 5000.0]\n')
-    case = cases.load(path)
-    case.given |= {"flow.altitude"}
-    (tmp_path / "again.toml").write_text(cases.dump(case))
-    again = cases.load(tmp_path / "again.toml")
-    moved = [cases.changed(c, {"flow.altitude": 5000.0}, "here", "point") for c in (case, again)]
-    assert moved[0].section == moved[1].section and moved[0].flow == moved[1].flow
 
 
 def test_a_boundary_takes_its_first_mach_number_as_the_start(tmp_path: Path) -> None:
