@@ -22,13 +22,13 @@ from ..case import fuel_tank
 from ..cosim.loop import Watcher
 from ..flutter.march import March
 from ..flutter.setup import FlutterRig, find_fmus
-from ..results import summary, trust
+from ..results import by_value, summary, trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from . import datasets, plots
 from .case import Case
-from .point import draw_section, fmu_folder, section_file, with_changes
+from .point import check_fmus, draw_section, fmu_folder, section_file, with_changes
 from .progress import Callback, Cancelled, Reporter, interruptible, reporter
 
 if TYPE_CHECKING:
@@ -129,6 +129,7 @@ def boundary(
     changes = {"boundary.mach": machs, "flutter.V_f": V_f, "slosh.model": slosh}
     core = with_changes(case, changes | {"boundary.method": method, "boundary.uncertainty": uncertainty}, "boundary")
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
+    check_fmus(core, found)
     report = reporter(progress)
     with interruptible():
         if folder is None:
@@ -164,6 +165,7 @@ class Kept:
             "slosh": self.case.slosh.model,
             "airfoil_summary": self.airfoil or None,
             "points": self._rows,
+            "matched": by_value.matched(self._rows),
             "unfinished": self.case.boundary.mach[self._finished :],
             "cost": cost,
         } | self._told

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..analysis.verdict import Verdict
 from ..base import pvd
+from ..case import airfoils, fmu_parameters, fuel_tank
 from ..case import case as cases
-from ..case import fuel_tank
 from ..cosim.checkpoint import Checkpoint, Keeper
 from ..flutter import march as flutter_march
 from ..flutter.march import March
@@ -122,6 +122,7 @@ def point(
     Raises AeroSloshError for what cannot be computed, ComponentError when an FMU fails, Cancelled."""
     core = with_changes(case, {"flow.mach": mach, "flutter.V_f": V_f, "slosh.model": slosh}, "point")
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
+    check_fmus(core, found)
     report = reporter(progress)
     with interruptible():
         if folder is None:
@@ -226,6 +227,13 @@ def with_changes(case: Case, changes: Mapping[str, Any], command: str) -> cases.
     """The case with those `changes` that are not None, complete for `command`. Raises AeroSloshError."""
     given = {key: value for key, value in changes.items() if value is not None}
     return cases.changed(case.changed(given).core, {}, f"ae.{command}", command)
+
+
+def check_fmus(case: cases.Case, fmus: dict[str, Path]) -> None:
+    """Refuse an airfoil or a parameter that the FMUs do not know, before anything starts. Raises AeroSloshError."""
+    place = Path(case.source or "ae.Case").parent
+    airfoils.check(case.flow.airfoil, f"{case.source or 'ae.Case'}, key {airfoils.KEY}", fmus["aero"], place, Path())
+    fmu_parameters.check(case, fmus)
 
 
 def fmu_folder(fmus: str | os.PathLike[str] | None) -> Path:

@@ -77,6 +77,9 @@ def fill_table(target: Any, table: str, content: Any, lines: Lines, path: Path) 
 def assign(target: Any, table: str, name: str, value: Any, where: str) -> None:
     """Check one value against the field `name` of the dataclass `target` and set it."""
     fields = {f.name: f for f in dataclasses.fields(target)}
+    holder, dot, entry = name.partition(".")
+    if dot and entry and isinstance(getattr(target, holder, None), dict):  # one entry of an inline table
+        value, name = getattr(target, holder) | {entry: value}, holder
     if name not in fields:
         remedy = nearest(name, list(fields), f"the keys of [{table}] are")
         raise AeroSloshError(f"Unknown key '{name}' in [{table}]", where, remedy)
@@ -108,33 +111,42 @@ def written(text: str) -> Any:
         return text.strip()
 
 
-def dump(holder: Any, tables: Mapping[str, Any], given: Collection[str] | None = None) -> str:
-    """The tables as TOML, each key with its unit and description; keys that are not among those `given` are marked."""
+def dump(
+    holder: Any, tables: Mapping[str, Any], given: Collection[str] | None = None, other: Mapping[str, Any] | None = None
+) -> str:
+    """The tables as TOML, each key with its unit and description; keys that are not among those `given` are marked. `other`:
+    table.key → value of keys that follow from the others, which are written as comments."""
     text = ""
     for table in tables:
-        names = None if given is None else {name.partition(".")[2] for name in given if name.startswith(f"{table}.")}
-        text += f"\n[{table}]\n{dump_table(getattr(holder, table), names)}"
+        names = None if given is None else {name.split(".")[1] for name in given if name.startswith(f"{table}.")}
+        follow = {k.partition(".")[2]: v for k, v in (other or {}).items() if k.startswith(f"{table}.")}
+        text += f"\n[{table}]\n{dump_table(getattr(holder, table), names, follow)}"
     return text
 
 
 def flat(holder: Any, tables: Mapping[str, Any]) -> dict[str, Any]:
-    """All settings as "table.key" → value."""
+    """All settings as "table.key" → value, less those that nobody gave and that have no default."""
     return {
-        f"{table}.{f.name}": getattr(t, f.name)
+        f"{table}.{f.name}": value
         for table in tables
         for t in [getattr(holder, table)]
         for f in dataclasses.fields(t)
+        if (value := getattr(t, f.name)) is not None
     }
 
 
-def dump_table(content: Any, given: Collection[str] | None = None) -> str:
-    """The keys of one table as TOML; those not `given` (None: all are) are marked as defaults."""
-    text = ""
+def dump_table(content: Any, given: Collection[str] | None = None, other: Mapping[str, Any] | None = None) -> str:
+    """The keys of one table as TOML; those not `given` (None: all are) are marked as defaults, those in `other` are comments
+    with the value there; what nobody gave and has no default is left out."""
+    text, other = "", other or {}
     for f in dataclasses.fields(content):
         unit = f.metadata["unit"]
         note = f.metadata["doc"] if unit == "1" else f"{f.metadata['doc']} [{unit}]"
         mark = "" if given is None or f.name in given else "default: "
-        text += f"{f.name} = {toml_text.literal(getattr(content, f.name))}  # {mark}{note}\n"
+        if f.name in other:  # None: nobody knows it yet
+            text += "" if other[f.name] is None else f"# {f.name} = {toml_text.literal(other[f.name])}  # follows: {note}\n"
+        elif (value := getattr(content, f.name)) is not None:
+            text += f"{f.name} = {toml_text.literal(value)}  # {mark}{note}\n"
     return text
 
 
@@ -156,7 +168,7 @@ def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
             raise AeroSloshError(f"{name} is a table, not {value!r}", where, f'write {key_name} = {{ "name" = value, … }}')
         inner = typing.get_args(hint)[1]
         return {k: _checked(v, inner, rule, f"{name}.{k}", where) for k, v in value.items()}
-    kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+    kinds = tuple(k for k in typing.get_args(hint) if k is not type(None)) if isinstance(hint, types.UnionType) else (hint,)
     if isinstance(value, int) and not isinstance(value, bool) and float in kinds:
         value = float(value)
     if type(value) not in kinds:

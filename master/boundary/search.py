@@ -13,6 +13,7 @@ from ..analysis.damping import Fit, Mode
 from ..analysis.verdict import Verdict
 from ..base.errors import AeroSloshError, ComponentError, InternalError
 from ..base.wording import counted, plus_minus
+from ..case.case import Case
 from ..flutter.march import March
 from ..linear.model import LinearCrossing, LinearModel
 from .next_march import SLOPE, crossings, propose
@@ -44,7 +45,7 @@ class BoundaryPoint:
     """What the search found at one Mach number. `outcome` says in words what it means; `crossings` may be empty.
 
     `marches` are the search's, `checks` those for the error bars' parts step, amplitude and mesh. `divergence`: the V_f of static
-    divergence by two steady solutions alone, inf where there is none, nan where it is not known."""
+    divergence by two steady solutions alone, inf where there is none, nan where it is not known. `case` is whose it is."""
 
     mach: float
     crossings: list[Crossing]
@@ -59,6 +60,7 @@ class BoundaryPoint:
     checks: list[March] = field(default_factory=list, repr=False)
     divergence: float = math.nan
     interrupted: bool = False
+    case: Case | None = field(default=None, repr=False)
 
 
 def sample(march: March) -> Sample:

@@ -47,8 +47,12 @@ def solve(
 
         return marcher, rig.close
 
+    def found(point: BoundaryPoint) -> None:
+        point.case = case
+        on_point(point)
+
     b = case.boundary
     strategy = boundary_strategy.Confirm(case, rigs.__getitem__, open_rig, say, b.method == "both")
     return boundary(
-        marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, on_point, strategy
+        marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, found, strategy
     )

@@ -16,7 +16,7 @@ from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import AeroSloshError
-from . import plausible
+from . import by_value, plausible
 
 if TYPE_CHECKING:
     from .case import Case
@@ -36,11 +36,12 @@ TANK = (
 )  # fmt: skip
 MOVING = (*TANK, "slosh.liquid_viscosity")  # a frozen liquid has no friction
 READS = {  # the tables that decide what a command computes, those told key by key first
-    "point": ("section", "flow", "slosh", "flutter", "aero", "coupling"),
-    "boundary": ("section", "flow", "slosh", "flutter", "boundary", "aero", "coupling"),
+    "point": ("section", "flow", "slosh", "flutter", "aero", "structure", "coupling"),
+    "boundary": ("section", "flow", "slosh", "flutter", "boundary", "aero", "structure", "coupling"),
 }
 IDLE = {"boundary": ("flow.mach",)}  # keys that a command does not read
 TOLD = ("section", "flow", "slosh")  # tables whose defaults are told with their values: they are physics
+STARTS = ("initial_h", "initial_alpha", "initial_h_dot")  # parameters of the structure FMU that disturb a free start
 _OWN = ("ems", "rbf", "vof", "implicit", "iqn-ils")  # a key's description begins with what it belongs to
 
 
@@ -51,11 +52,17 @@ def required(case: Case, command: str) -> tuple[str, ...]:
 
 
 def complete(case: Case, command: str, where: str) -> None:
-    """Refuse a case read from a file in which a required key is missing. Raises AeroSloshError that names all of them."""
+    """Refuse a case read from a file in which a required key is missing in all its forms. Raises AeroSloshError that names all
+    of them; also for keys by value that have been changed since they were converted."""
+    if command == "rig" and not by_value.settled(case):
+        raise AeroSloshError(
+            "The case's keys by value were changed after they had been converted", where, "change a case with `case.changed`"
+        )
     if case.source:
         liquid = f' with slosh.model = "{case.slosh.model}"' if case.slosh.model != "none" else ""
         asks = "march" if command == "rig" else command
-        require(case, required(case, command), case.given, where, f"a {asks}{liquid}")
+        names = required(case, command)
+        require(case, names, {name for name in names if by_value.known(case, name)}, where, f"a {asks}{liquid}")
 
 
 def require(holder: Any, names: Sequence[str], given: Collection[str], where: str, asks: str) -> None:
@@ -69,7 +76,9 @@ def require(holder: Any, names: Sequence[str], given: Collection[str], where: st
     for name in missing:
         table, _, key = name.partition(".")
         rule = next(f.metadata for f in dataclasses.fields(getattr(holder, table)) if f.name == key)
+        forms = by_value.ALTERNATIVES.get(name, ())
         lines.append(f"            {name}: {rule['doc']}" + ("" if rule["unit"] == "1" else f" [{rule['unit']}]"))
+        lines[-1] += f"; or by value: {' or '.join(forms)}" if forms else ""
     count, them = ("a key", "it") if len(missing) == 1 else (f"{len(missing)} keys", "them")
     raise AeroSloshError(
         f"The case leaves out {count} that {asks} cannot do without: {', '.join(missing)}",
@@ -88,8 +97,10 @@ def defaults(case: Case, command: str) -> dict[str, Any]:
         content = getattr(case, table)
         for f in dataclasses.fields(content):
             name = f"{table}.{f.name}"
-            if name not in case.given and name not in IDLE.get(command, ()) and _matters(case, f.metadata["doc"]):
-                found[name] = getattr(content, f.name)
+            value = getattr(content, f.name)
+            nobodys = name not in case.given and name not in case.derived and value is not None and f.name != "parameters"
+            if nobodys and name not in IDLE.get(command, ()) and _matters(case, f.metadata["doc"]):
+                found[name] = value
     return found
 
 
@@ -132,14 +143,21 @@ def together(case: Case, where: str) -> None:
             where,
             "a cheaper model of the moving liquid predicts a dearer one: ems or rbf for vof, ems for rbf",
         )
-    known = not case.source or {"section.x_alpha", "section.r2_alpha"} <= case.given
+    known = not case.source or all(by_value.known(case, name) for name in ("section.x_alpha", "section.r2_alpha"))
     if known and s.r2_alpha <= s.x_alpha**2:
         raise AeroSloshError(
             f"section.r2_alpha = {s.r2_alpha:g} is not above x_alpha^2 = {s.x_alpha**2:g}: the mass matrix is not positive",
             where,
             "the radius of gyration is about the elastic axis: r2_alpha = x_alpha^2 + (r_cg/b)^2",
         )
-    if f.forced_cycles == 0.0 and f.initial_alpha_dot == 0.0:
+    starts = [f"structure.parameters.{name}" for name in case.structure.parameters if name in STARTS]
+    if f.forced_cycles > 0.0 and starts:
+        raise AeroSloshError(
+            f"{starts[0]} has no effect while the pitch is forced",
+            case.places.get(starts[0], where),
+            "set flutter.forced_cycles = 0 for a free start, or leave it out",
+        )
+    if f.forced_cycles == 0.0 and f.initial_alpha_dot == 0.0 and not starts:
         raise AeroSloshError(
             "Nothing disturbs the section: flutter.forced_cycles and flutter.initial_alpha_dot are both 0",
             where,

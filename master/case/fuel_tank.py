@@ -19,14 +19,15 @@ import numpy as np
 from ..base.errors import AeroSloshError
 from ..fmi.component import Component
 from . import case as cases
+from . import fmu_parameters
 
-FMU = {"frozen": "slosh_ems", "ems": "slosh_ems", "rbf": "slosh_rbf", "vof": "slosh_vof"}  # model → FMU
+FMU = fmu_parameters.FMU
 LABEL = {"none": "dry", "frozen": "frozen liquid", "ems": "linear slosh (EMS)", "rbf": "slosh (RBF)", "vof": "slosh (VOF)"}
 LOADS = {"frozen": ("force_y_residual", "moment_residual"), "none": ("force_y", "moment")}  # split → outputs that are wired
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
 CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
 EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold
-CASE_ONLY = ("model", "predictor", "split")  # keys of the table [slosh] that are no parameters of an FMU
+CASE_ONLY = ("model", "predictor", "split", fmu_parameters.KEY)  # keys of the table [slosh] that are no parameters of an FMU
 
 
 def needed(models: Sequence[str]) -> tuple[str, ...]:
@@ -52,9 +53,11 @@ def wiring(split: str) -> list[str]:
 
 
 def parameters(settings: cases.Slosh, known: dict[str, Any]) -> dict[str, float | int | bool | str]:
-    """The FMU's parameters among the keys of [slosh]: those it has (`known`), but "auto" leaves its own value."""
+    """The FMU's parameters among the keys of [slosh] and [slosh.parameters]: those it has (`known`: name → FMPy's variable), but
+    "auto" leaves its own value."""
     values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings) if f.name not in CASE_ONLY}
-    return {name: value for name, value in values.items() if value != "auto" and name in known}
+    found = {name: value for name, value in values.items() if value != "auto" and name in known}
+    return found | fmu_parameters.values(settings.parameters, known)
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,9 @@ class Tank:
         self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
         force, moment = LOADS[split]
         self.rest = (component.get(force), component.get(moment))
+        if self._parameters.get("initial_wave"):  # the surface is not level at the start: what is trimmed out is the level one
+            names = ("static_force_y", "static_moment")
+            self.rest = (0.0, 0.0) if split == "frozen" else (component.get(names[0]), component.get(names[1]))
         tells = settings.model != "frozen" and "validity" in component.output_index
         self.validity = component.get("validity") if tells else None
         self.sha256 = component.sha256
@@ -123,9 +129,11 @@ class Tank:
     @property
     def static_stiffness(self) -> float:
         """Pitch stiffness of the liquid at rest [N/rad per metre of span]; one that moves keeps its surface level, which takes
-        rho g L^3 w / 12 of it, as in a ship's tank."""
-        s = self._settings
+        rho g L^3 w / 12 of it, as in a ship's tank; baffles from the bottom through the surface make shorter tanks of it."""
+        s, baffles = self._settings, self._parameters
         level = 0.0 if s.model == "frozen" else s.liquid_density * s.gravity * s.tank_length**3 * s.tank_width / 12.0
+        parted = baffles.get("baffle_bottom", 0.0) == 0.0 and float(baffles.get("baffle_top", 0.5)) >= s.fill_level
+        level /= (int(baffles.get("baffle_count", 0)) + 1) ** 2 if parted else 1
         return self.liquid.stiffness - level
 
     def close(self) -> None:

@@ -6,6 +6,7 @@ is refused by its file and key, and before anything is computed."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
@@ -58,6 +59,8 @@ FLOW = {
     "flow.static_temperature": Rule(
         "K", (60.0, 3000.0), (90.0, 400.0), {"degC": lambda v: v + 273.15, "degF": lambda v: (v + 459.67) / 1.8}
     ),
+    "flow.altitude": Rule("m", (-5000.0, 47000.0), (-500.0, 16000.0), {"ft": _times(0.3048)}),
+    "section.pitch_frequency": Rule("Hz", (0.0, 1e5), (0.2, 500.0), {"rad/s": _times(0.5 / math.pi)}),
 }  # fmt: skip
 LIQUID = {
     "slosh.tank_length": Rule("m", (1e-6, 100.0), (0.01, 20.0), _LENGTHS),

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import AeroSloshError
-from ..case import airfoils, builtin, checks, plausible
+from ..case import airfoils, builtin, checks, fmu_parameters, plausible
 from ..case import case as cases
 from ..case.case import Case
 from ..cosim import checkpoint
@@ -114,6 +114,12 @@ def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
     """Refuse an airfoil that the FMU `aero` does not know, before anything starts. Raises AeroSloshError."""
     where = airfoils.place(options.case, options.set)
     airfoils.check(case.flow.airfoil, where, aero, options.case.parent, Path())
+
+
+def check_fmus(options: argparse.Namespace, case: Case, fmus: Mapping[str, Path]) -> None:
+    """Refuse an airfoil or a parameter that the FMUs do not know, before anything starts. Raises AeroSloshError."""
+    check_airfoil(options, case, fmus["aero"])
+    fmu_parameters.check(case, fmus)
 
 
 def run_folder(options: argparse.Namespace, name: str) -> Path:

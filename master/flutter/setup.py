@@ -9,7 +9,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 from ..base.errors import AeroSloshError, ComponentError
-from ..case import airfoils, checks, fuel_tank
+from ..case import airfoils, checks, fmu_parameters, fuel_tank
 from ..case.case import Case
 from ..case.scales import Scales, scales
 from ..cosim.assemble import assemble
@@ -66,6 +66,7 @@ class FlutterRig:
         section_file: Path | None = None,
     ) -> None:
         checks.complete(case, "rig", case.source)
+        fmu_parameters.check(case, fmus)
         self.case, self.mach = case, mach
         self._steady: Saved | None = None
         self._fmus = fmus
@@ -129,7 +130,8 @@ class FlutterRig:
         lift, moment = self.aero.get("lift"), self.aero.get("moment")
         flutter = case.flutter
         self.structure.set_all(
-            {
+            fmu_parameters.values(case.structure.parameters, self.structure.variables)
+            | {
                 "mass": s.mass,
                 "static_imbalance": s.static_imbalance,
                 "inertia": s.inertia,
@@ -217,7 +219,8 @@ class FlutterRig:
             "farfield_chords": case.aero.farfield_chords,
         }
         given = {name: getattr(case.aero, name) for name in ("tolerance", "max_subiterations")}
-        return values | {name: value for name, value in given.items() if value != "auto"}
+        values |= {name: value for name, value in given.items() if value != "auto"}
+        return values | fmu_parameters.values(case.aero.parameters, self.aero.variables)
 
     def _solve_steady(self, field_folder: Path | None, section_file: Path | None) -> None:
         """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""

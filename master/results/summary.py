@@ -14,7 +14,7 @@ from ..boundary import modes as boundary_modes
 from ..boundary.search import BoundaryPoint
 from ..case.fuel_tank import LABEL, broken, holds
 from ..flutter.march import March
-from . import trust
+from . import by_value, trust
 
 
 def number(value: float | None) -> float | None:
@@ -55,6 +55,7 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "uncertainty_parts": fit.contributions if fit else {},
         "omega_alpha": s.omega_alpha,
         "speed": s.speed,
+        "by_value": by_value.of_march(s),
         "steps": cost.steps,
         "steps_per_cycle": s.steps_per_cycle,
         "unconverged_steps": march.unconverged,
@@ -132,6 +133,7 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
         "frequency": number(first.frequency) if first else None,
         "verdict": "neutral" if first and stands else "undetermined",
         "kind": first.kind if first else None,
+        "by_value": by_value.of_point(point, first.V_f if first else None),
         "static_divergence_V_f": number(point.divergence),
         "outcome": point.outcome if validity is None or stands else f"{point.outcome}; {broken(validity)}",
         "converged": point.converged,
@@ -152,6 +154,7 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
                 "tolerance_met": c.met,
                 "slosh_validity": number(trust.of_crossing(c, point.marches)) if c.source == "march" else None,
                 "richardson": c.grids.as_data() if c.grids else None,
+                "by_value": by_value.of_crossing(point, c.V_f),
             }
             for c in point.crossings
         ],
@@ -189,6 +192,7 @@ def march_summary(data: dict[str, Any]) -> str:
         poles = f"{counted(len(data['modes']), 'oscillation')} and {counted(len(data['real_poles']), 'real pole')}"
         missed = f"missed {100 * data['fit_residual']:.2g} %, forecast of the last part off by {forecast}"
         lines.append(f"  rests on     {poles} over {data['free_cycles']:.3g} free cycles; {missed}")
+    lines += by_value.march_lines(data["by_value"], data["slosh"] != "none")
     if data["static_stiffness"] is not None:
         lines.append(f"  statics      the steady flow leaves {100 * data['static_stiffness']:.3g} % of the pitch stiffness")
     for kind, count in data["unconverged_steps"].items():
@@ -225,7 +229,7 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
             worst = math.inf if p["slosh_validity"] is None else p["slosh_validity"]
             lines.append(f"  {p['mach']:<6.3f}  UNDETERMINED: {broken(worst)}; as computed:")
         if p["V_f"] is None:
-            lines += [f"  {p['mach']:<6.3f}  {p['outcome']}", *_static_lines(p)]
+            lines += [f"  {p['mach']:<6.3f}  {p['outcome']}", *by_value.point_lines(p), *_static_lines(p)]
             continue
         value = plus_minus(p["V_f"], p["V_f_uncertainty"], 4)
         lines.append(
@@ -235,13 +239,14 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
         if len(p["crossings"]) > 1:
             lines.append(f"          all: {p['outcome']}")
         lines += [f"          {line}" for c in p["crossings"] for line in error_bar(c)]
+        lines += by_value.point_lines(p)
         for c in (p["linear"] or {}).get("crossings", []):
             if c["state"] == "contradicted":
                 lines.append(f"          {c['text']}")
         lines += _static_lines(p)
         if (p["linear"] or {}).get("note"):
             lines.append(f"          note: {p['linear']['note']}")
-    return "\n".join(lines)
+    return "\n".join([*lines, *by_value.matched_lines(points)])
 
 
 def _static_lines(p: dict[str, Any]) -> list[str]:

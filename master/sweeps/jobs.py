@@ -23,7 +23,7 @@ from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterRig
 from ..fmi import unpack
-from ..results import point_file, summary, trust
+from ..results import by_value, point_file, summary, trust
 from ..results.point_file import Record
 from ..results.provenance import provenance
 from .plan import mach_of, rig_key
@@ -222,7 +222,8 @@ def _boundary(job: Job, bench: Bench) -> Computed:
     """All Mach numbers of one boundary; its rigs are its own."""
     points = solve.solve(job.case, job.fmus, lambda text: None)
     model = job.case.slosh.model
-    result = {"slosh": model, "points": [{"slosh": model} | summary.point_data(p) for p in points]}
+    rows = [{"slosh": model} | summary.point_data(p) for p in points]
+    result = {"slosh": model, "points": rows, "matched": by_value.matched(rows)}
     failures = [p.failure for p in points if p.failure is not None and not p.converged]
     cause = "; ".join(dict.fromkeys(f.what for f in failures))
     trace = "\n".join(f"{f}\n{f.traceback}" for f in failures)

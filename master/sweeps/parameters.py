@@ -111,7 +111,9 @@ def _flat(content: Mapping[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for name, value in content.items():
         if name in cases.TABLES and isinstance(value, dict):
-            flat |= {f"{name}.{key}": inner for key, inner in value.items()}
+            flat |= {f"{name}.{key}": inner for key, inner in value.items() if key != "parameters" or not isinstance(inner, dict)}
+            inner = value.get("parameters")  # of an FMU
+            flat |= {f"{name}.parameters.{key}": v for key, v in inner.items()} if isinstance(inner, dict) else {}
         else:
             flat[name] = value
     return flat

@@ -12,7 +12,7 @@ import itertools
 import json
 import math
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,14 +22,14 @@ from scipy.stats import qmc
 
 from ..base import settings, toml_text
 from ..base.errors import AeroSloshError
-from ..case import airfoils
+from ..case import airfoils, fmu_parameters
 from ..case import case as cases
 from ..case.case import Case
 from ..flutter.setup import find_fmus
 from ..fmi import unpack
 from .parameters import EXAMPLE, MOST, Parameter
 
-COMMON = ("section", "flow", "aero", "flutter", "coupling", "slosh")
+COMMON = ("section", "flow", "aero", "structure", "flutter", "coupling", "slosh")
 READS = {"point": COMMON, "boundary": (*COMMON, "boundary")}  # the tables that decide what a point's result is
 
 
@@ -67,8 +67,9 @@ def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: s
     if not parameters:
         remedy = 'write [sweep.parameters] with lines like "flow.mach" = [0.7, 0.8], or give --grid flow.mach=0.7,0.8'
         raise AeroSloshError("The sweep has no parameters", where, remedy)
+    wholes = {p.name for p in parameters if _whole(case, p.name, fmu_folder)}
     for p in parameters:
-        _check(case, kind, p)
+        _check(case, kind, p, p.name in wholes)
     names = tuple(p.name for p in parameters)
     if len(set(names)) < len(names) or {"flow.mach", "boundary.mach"} <= set(names):
         raise AeroSloshError(f"A key is swept twice: {', '.join(names)}", where, "keep one of them")
@@ -76,12 +77,13 @@ def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: s
     digests: dict[Path, str] = {}
     points: dict[str, Point] = {}
     known: set[str] = set()
-    combinations = _combinations(case, parameters, where)
+    combinations = _combinations(case, parameters, where, wholes)
     for n, values in enumerate(combinations, start=1):
         overrides = dict(zip(names, values, strict=True))
         text = ", ".join(f"{name} = {toml_text.literal(value)}" for name, value in overrides.items())
         own = cases.changed(bare, _keys(kind, overrides, where), f"{where}, point {n} of the sweep ({text})", kind)
         files = _files(own, fmu_folder, digests)
+        fmu_parameters.check(own, {name: path for name, (path, _) in files.items()})
         if airfoils.KEY in names and own.flow.airfoil not in known:
             place = parameters[names.index(airfoils.KEY)].where
             airfoils.check(own.flow.airfoil, place, files["aero"][0], Path(where).parent, Path())
@@ -104,8 +106,9 @@ def mach_of(kind: str, case: Case) -> float:
     return case.boundary.mach[0] if kind == "boundary" else case.flow.mach
 
 
-def _check(case: Case, kind: str, p: Parameter) -> None:
-    """Refuse a key that does not exist or cannot matter, and each value that the key does not allow."""
+def _check(case: Case, kind: str, p: Parameter, whole: bool) -> None:
+    """Refuse a key that does not exist or cannot matter, and each value that the key does not allow; `whole`: it takes whole
+    numbers alone."""
     table, dot, name = p.name.partition(".")
     if not dot or table not in cases.TABLES:
         raise AeroSloshError(
@@ -118,31 +121,30 @@ def _check(case: Case, kind: str, p: Parameter) -> None:
         )
     values = p.values or (p.low, p.high)
     target = copy.deepcopy(getattr(case, table))
-    known = {f.name for f in dataclasses.fields(target)}
     for value in values:
-        if not p.values and name in known and _whole(case, p.name):
-            value = round(value)
-        settings.assign(target, table, name, value, p.where)
+        settings.assign(target, table, name, round(value) if whole and not p.values else value, p.where)
 
 
-def _whole(case: Case, name: str) -> bool:
-    """Whether a key takes whole numbers and no others."""
+def _whole(case: Case, name: str, fmu_folder: Path) -> bool:
+    """Whether a key, if there is one of this name, takes whole numbers and no others."""
     table, _, key = name.partition(".")
-    hint = typing.get_type_hints(type(getattr(case, table)))[key]
+    if table in fmu_parameters.TABLES and key.startswith(f"{fmu_parameters.KEY}."):
+        return fmu_parameters.whole(case, name, find_fmus(fmu_folder, case.slosh.model, case.slosh.predictor))
+    hint = typing.get_type_hints(cases.TABLES[table]).get(key) if table in cases.TABLES else None
     kinds = typing.get_args(hint) or (hint,)
     return int in kinds and float not in kinds
 
 
-def _combinations(case: Case, parameters: Sequence[Parameter], where: str) -> list[tuple[Any, ...]]:
-    """The values of every point, in the order of `parameters`."""
+def _combinations(case: Case, parameters: Sequence[Parameter], where: str, wholes: Set[str]) -> list[tuple[Any, ...]]:
+    """The values of every point, in the order of `parameters`; `wholes`: the names of those that take whole numbers alone."""
     mode = case.sweep.mode
     if mode == "latin-hypercube":
-        return _drawn(case, parameters)
+        return _drawn(case, parameters, wholes)
     columns = []
     for p in parameters:
         if not p.values and not p.count:
             raise AeroSloshError(f"The range of {p.name} has no count", p.where, EXAMPLE)
-        columns.append(p.values or tuple(_in_range(case, p, i / (p.count - 1)) for i in range(p.count)))
+        columns.append(p.values or tuple(_in_range(p, i / (p.count - 1), p.name in wholes) for i in range(p.count)))
     lengths = [len(column) for column in columns]
     if (math.prod(lengths) if mode == "grid" else max(lengths)) > MOST:
         raise AeroSloshError(f"The sweep has {math.prod(lengths):,} points", where, f"at most {MOST:,}: take fewer values")
@@ -154,26 +156,26 @@ def _combinations(case: Case, parameters: Sequence[Parameter], where: str) -> li
     return list(zip(*columns, strict=True))
 
 
-def _drawn(case: Case, parameters: Sequence[Parameter]) -> list[tuple[Any, ...]]:
+def _drawn(case: Case, parameters: Sequence[Parameter], wholes: Set[str]) -> list[tuple[Any, ...]]:
     """Latin hypercube (McKay, Beckman and Conover 1979, doi 10.1080/00401706.1979.10489755): every range cut into as many
     slices as there are points, one value in each slice; a list is cut into equal shares."""
     unit = qmc.LatinHypercube(len(parameters), rng=np.random.default_rng(case.sweep.seed)).random(case.sweep.samples)
     return [
         tuple(
-            p.values[int(u * len(p.values))] if p.values else _in_range(case, p, float(u))
+            p.values[int(u * len(p.values))] if p.values else _in_range(p, float(u), p.name in wholes)
             for p, u in zip(parameters, row, strict=True)
         )
         for row in unit
     ]
 
 
-def _in_range(case: Case, p: Parameter, share: float) -> float | int:
+def _in_range(p: Parameter, share: float, whole: bool) -> float | int:
     """The value at `share` (0 to 1) of the range: 12 digits, so that 0.6 is 0.6; whole where the key wants that."""
     if p.log:
         value = p.low * (p.high / p.low) ** share
     else:
         value = p.low + share * (p.high - p.low)
-    return round(value) if _whole(case, p.name) else float(f"{value:.12g}")
+    return round(value) if whole else float(f"{value:.12g}")
 
 
 def _keys(kind: str, overrides: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -204,6 +206,7 @@ def _content(kind: str, case: Case) -> dict[str, str]:
         f"{table}.{f.name}": toml_text.literal(getattr(getattr(case, table), f.name))
         for table in READS[kind]
         for f in dataclasses.fields(getattr(case, table))
+        if getattr(getattr(case, table), f.name) is not None
     }
     if Path(case.flow.airfoil).is_file():
         content["flow.airfoil"] = "a file"

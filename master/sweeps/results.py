@@ -12,9 +12,11 @@ from .ledger import Row
 POINT = (
     "mach", "V_f", "slosh", "verdict", "growth_rate", "growth_rate_uncertainty", "frequency", "frequency_uncertainty",
     "damping_ratio", "limit_cycle_amplitude_deg", "slosh_validity", "slosh_holds", "motion_verdict", "steps",
+    "airspeed", "equivalent_airspeed", "dynamic_pressure", "pitch_frequency", "plunge_frequency", "mass",
 )  # fmt: skip
 BOUNDARY = (
     "mach", "V_f", "V_f_uncertainty", "frequency", "slosh", "verdict", "outcome", "converged", "slosh_validity", "slosh_holds",
+    "airspeed", "equivalent_airspeed", "dynamic_pressure", "own_V_f", "margin",
 )  # fmt: skip
 RESULTS = {"point": POINT, "boundary": BOUNDARY}
 ABOUT = ("cause", "attempts", "cpu_seconds", "wall_seconds", "file")
@@ -28,7 +30,8 @@ def flat(rows: Sequence[Row], kind: str, names: Sequence[str]) -> list[dict[str,
         for result in found or [None]:
             line: dict[str, Any] = {"id": row.id, "status": row.status}
             line |= {name: row.overrides.get(name) for name in names}
-            line |= {name: (result or {}).get(name) for name in RESULTS[kind]}
+            values = ((result or {}).get("by_value") or {}) | (result or {})
+            line |= {name: values.get(name) for name in RESULTS[kind]}
             table.append(line | {name: getattr(row, name) for name in ABOUT})
     return table
 

@@ -29,6 +29,7 @@ IDLE = (
     "network",
     "cells_x",
     "cells_y",
+    "parameters",
 )
 
 

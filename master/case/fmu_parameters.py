@@ -1,0 +1,178 @@
+"""Parameters of the FMUs that have no key of their own: the tables [aero.parameters], [structure.parameters], [slosh.parameters].
+
+What an FMU has, with type and range, its own model description says; a wrong name, type or value is refused before anything
+starts. What the case sets itself (masses, Mach number, meshes, …) has one place, its key, and is refused here with that key."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import fmpy
+
+from ..base import settings, toml_text
+from ..base.errors import AeroSloshError
+from ..fmi import unpack
+from .tables import Slosh
+
+if TYPE_CHECKING:
+    from .case import Case
+
+TABLES = ("aero", "structure", "slosh")
+KEY = "parameters"
+FMU = {"frozen": "slosh_ems", "ems": "slosh_ems", "rbf": "slosh_rbf", "vof": "slosh_vof"}  # slosh.model → FMU
+Value = float | int | bool | str
+_MASTERS = "coupling.predictor_order (the master extrapolates itself)"
+_LIQUID = "the keys of [slosh] (the liquid that the structure carries)"
+_TRIM = "nothing: the trim is that of the steady flow and the liquid at rest"
+RESERVED: dict[str, dict[str, str]] = {  # table → variable → what sets it
+    "aero": {
+        "mach": "flow.mach",
+        "mean_alpha": "flow.mean_alpha_deg",
+        "chord": "section.chord",
+        "elastic_axis": "section.elastic_axis",
+        "static_pressure": "flow.static_pressure or flow.altitude",
+        "static_temperature": "flow.static_temperature or flow.altitude",
+        "airfoil": "flow.airfoil",
+        "cells_around": "aero.cells_around",
+        "cells_normal": "aero.cells_normal",
+        "farfield_chords": "aero.farfield_chords",
+        "tolerance": "aero.tolerance",
+        "max_subiterations": "aero.max_subiterations",
+        "field_folder": "output.fields",
+        "section_file": "output.pictures",
+        "motion_prediction": _MASTERS,
+    },
+    "structure": {
+        "mass": "section.mass or section.mass_ratio",
+        "static_imbalance": "section.static_imbalance, section.x_cg or section.x_alpha",
+        "inertia": "section.inertia, section.inertia_cg or section.r2_alpha",
+        "omega_h": "section.plunge_frequency, section.plunge_stiffness or section.frequency_ratio",
+        "omega_alpha": "section.pitch_frequency, section.pitch_stiffness or flutter.V_f",
+        "damping_ratio_h": "section.damping_ratio_h",
+        "damping_ratio_alpha": "section.damping_ratio_alpha",
+        "liquid_mass": _LIQUID,
+        "liquid_static_moment": _LIQUID,
+        "liquid_inertia": _LIQUID,
+        "liquid_stiffness": _LIQUID,
+        "forced_amplitude": "flutter.forced_amplitude_deg",
+        "forced_frequency": "flutter.forced_frequency",
+        "forced_cycles": "flutter.forced_cycles",
+        "forced_ramp_cycles": "flutter.forced_ramp_cycles",
+        "initial_alpha_dot": "flutter.initial_alpha_dot",
+        "trim_lift": _TRIM,
+        "trim_moment": _TRIM,
+        "load_prediction": _MASTERS,
+    },
+    "slosh": {
+        **{f.name: f"slosh.{f.name}" for f in dataclasses.fields(Slosh) if f.name != KEY},
+        "field_folder": "nothing in a flutter case: `aeroslosh drive FMU --fields` writes a liquid's fields",
+        "motion_prediction": _MASTERS,
+    },
+}
+
+
+def check(case: Case, fmus: Mapping[str, Path]) -> None:
+    """Refuse a parameter that an FMU of this case has not, that its key sets, of a wrong type or out of range.
+
+    fmus: component or FMU name → file. Raises AeroSloshError with file, line and key (or the override)."""
+    for table in TABLES:
+        for name, value in getattr(case, table).parameters.items():
+            key = f"{table}.{KEY}.{name}"
+            where = case.places.get(key) or case.places.get(f"{table}.{KEY}") or f"{case.source or case.name}, key {key}"
+            if name in RESERVED[table]:
+                raise AeroSloshError(f"{key}: the case sets {name} itself", where, f"give {RESERVED[table][name]}")
+            files = [fmus[fmu] for fmu in _fmus(case, table) if fmu in fmus]
+            if files:
+                _check_one(table, name, value, files, where)
+
+
+def values(parameters: Mapping[str, Any], variables: Mapping[str, Any]) -> dict[str, Value]:
+    """Those of the checked `parameters` that an FMU with these `variables` (name → FMPy's) has, as the FMU takes them."""
+    return {name: fitting(variables[name], value, name, name) for name, value in parameters.items() if name in variables}
+
+
+def whole(case: Case, key: str, fmus: Mapping[str, Path]) -> bool:
+    """Whether the FMU parameter `key` (table.parameters.name) takes whole numbers and no others."""
+    table, _, name = key.split(".", 2)
+    found = [_variables(fmus[fmu]).get(name) for fmu in _fmus(case, table) if fmu in fmus]
+    return any(variable is not None and variable.type in ("Integer", "Enumeration") for variable in found)
+
+
+def fitting(variable: Any, value: Any, name: str, where: str) -> Value:
+    """`value` as FMPy's `variable` takes it: the number of an enumeration's name, a whole number where that is meant.
+
+    Raises AeroSloshError for another type or a value out of range."""
+    kind = variable.type
+    items = {item.name: int(item.value) for item in getattr(variable.declaredType, "items", None) or []}
+    if kind == "Enumeration" and isinstance(value, str) and value in items:
+        return items[value]
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    kinds = {
+        "Real": number and math.isfinite(value),
+        "Integer": number and float(value).is_integer(),
+        "Enumeration": number and value in items.values(),
+        "Boolean": isinstance(value, bool),
+        "String": isinstance(value, str),
+    }
+    wanted = {"Real": "a number", "Integer": "a whole number", "Boolean": "true or false", "String": 'a text in "quotes"'}
+    low, high = (_limit(variable, end) for end in ("min", "max"))
+    expected = wanted.get(kind) or f"one of {', '.join(items)}"
+    expected += f" from {low:g}" if low is not None else ""
+    expected += f" to {high:g}" if high is not None else ""
+    expected += f" [{variable.unit}]" if variable.unit not in (None, "1") else ""
+    if not kinds[kind]:
+        raise AeroSloshError(f"{name} has the wrong type: {toml_text.literal(value)}", where, f"give {expected}")
+    if number and ((low is not None and value < low) or (high is not None and value > high)):
+        raise AeroSloshError(f"{name} = {value!r} is out of range ({variable.description})", where, f"give {expected}")
+    if kind == "Real":
+        return float(value)
+    return int(value) if kind in ("Integer", "Enumeration") else value
+
+
+def _fmus(case: Case, table: str) -> list[str]:
+    """The names of the FMUs that the table's parameters may belong to."""
+    if table != "slosh":
+        return [table]
+    return [FMU[model] for model in (case.slosh.model, case.slosh.predictor) if model in FMU]
+
+
+def _check_one(table: str, name: str, value: Any, files: Sequence[Path], where: str) -> None:
+    """One free parameter against the FMUs `files`, of which at least one must have it."""
+    own = {file: _variables(file) for file in files}
+    names = sorted({n for found in own.values() for n in found if n not in RESERVED[table]})
+    having = [found[name] for found in own.values() if name in found]
+    if not having:
+        remedy = settings.nearest(name, names, "those without a key of their own are") if names else "it has none without a key"
+        others = "; another slosh model's parameter? leave it out with --set 'slosh.parameters={}'" if table == "slosh" else ""
+        files_named = " and ".join(file.name for file in files)
+        raise AeroSloshError(f"{files_named} has no parameter '{name}'", where, remedy + others)
+    for variable in having:
+        fitting(variable, value, f"{table}.{KEY}.{name}", where)
+
+
+def _variables(path: Path) -> dict[str, Any]:
+    """The parameters of the FMU at `path`: name → FMPy's model variable."""
+    return _read(str(path), path.stat().st_mtime_ns)
+
+
+@functools.lru_cache(maxsize=32)
+def _read(path: str, changed: int) -> dict[str, Any]:
+    try:
+        description = fmpy.read_model_description(str(unpack.unzip(Path(path))[0]), validate=False)
+    except AeroSloshError:
+        raise
+    except Exception as error:  # FMPy raises bare Exceptions here
+        raise AeroSloshError(f"{Path(path).name} cannot be read: {error}", path, "give an FMI 2.0 FMU") from None
+    return {v.name: v for v in description.modelVariables if v.causality == "parameter"}
+
+
+def _limit(variable: Any, end: str) -> float | None:
+    """`min` or `max` of a variable, or of its type."""
+    given = getattr(variable, end, None)
+    given = getattr(variable.declaredType, end, None) if given is None else given
+    return None if given is None or variable.type == "Enumeration" else float(given)
