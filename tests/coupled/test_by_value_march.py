@@ -21,10 +21,7 @@ from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
 from aeroslosh.master.results import by_value, summary
 from aeroslosh.master.ssp import system as ssp_system
-
-sys.path.insert(0, str(Path(__file__).parent))
-import sections
-import theory
+from support import sections, theory
 
 AXIS, X_ALPHA, R2, RATIO, MU = 0.35, 0.2, 0.3, 0.4, 40.0
 CHORD, ALTITUDE, PITCH = 1.6, 4000.0, 9.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -15,9 +14,7 @@ from aeroslosh.master.case import atmosphere, by_value, checks, dimensions, plau
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.case.scales import scales
-
-sys.path.insert(0, str(Path(__file__).parent))
-from wing import FORMS, SOUND, loaded, refused
+from support.wing import FORMS, SOUND, loaded, refused
 
 
 def test_hand_values(tmp_path: Path) -> None:

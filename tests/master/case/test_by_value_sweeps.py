@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +13,7 @@ from aeroslosh.master.case import atmosphere, dimensions
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.scales import scales
 from aeroslosh.master.sweeps import parameters, plan
-
-sys.path.insert(0, str(Path(__file__).parent))
-from wing import write
+from support.wing import write
 
 
 def planned(tmp_path: Path, text: str, **changes: Any) -> plan.Plan:
