@@ -54,9 +54,9 @@ def kernel(mach: float, k: float, x: np.ndarray) -> np.ndarray:
     return (near + 1j * beta2 * np.exp(-1j * k * x) * wake) / (4.0 * beta)
 
 
-def neutral(case: Case, mach: float, liquid: Liquid, guess: float) -> float:
+def neutral(case: Case, mach: float, liquid: Liquid, guess: float, ratios: tuple[float, ...] = (1.4, 1.6, 1.2)) -> float:
     """The V_f at which section, air and liquid oscillate without decay. liquid(omega [rad/s]): dynamic stiffness of the liquid
-    in (h, alpha), shape (2, 2) [N/m …]; guess: of the V_f."""
+    in (h, alpha), shape (2, 2) [N/m …]; guess: of the V_f; ratios of flutter frequency and omega_alpha to start from."""
     s, section = scales(case, mach, case.flutter.V_f), case.section
     unit = s.mass * (s.speed / s.half_chord) ** 2 * np.outer([1.0, s.half_chord], [1.0, s.half_chord])
     axis = 2.0 * section.elastic_axis - 1.0
@@ -71,7 +71,7 @@ def neutral(case: Case, mach: float, liquid: Liquid, guess: float) -> float:
         value = np.linalg.det((D - load) / k**2)
         return [value.real, value.imag]
 
-    for ratio in (1.4, 1.6, 1.2):  # of flutter frequency and omega_alpha, to start from
+    for ratio in ratios:
         found = root(determinant, np.log([guess, ratio / (guess * math.sqrt(section.mass_ratio))]), tol=1e-8)
         if found.success and abs(found.x[0] - math.log(guess)) < 0.2:
             return float(np.exp(found.x[0]))

@@ -14,6 +14,8 @@ import pytest
 from scipy.io import netcdf_file
 
 from aeroslosh.master.analysis.damping import analyse
+from aeroslosh.master.boundary import solve
+from support import possio, sections
 from support.paths import DATA
 
 pytestmark = pytest.mark.validation
@@ -105,3 +107,22 @@ def test_half_the_step_and_twice_the_subiterations_change_nothing(aeroslosh: Run
     )
     print(f"\nMach {mach}, V_f {V_f}: damping ratio {zeta(coarse):.5f} at {steps} steps a cycle, {zeta(fine):.5f} at {2 * steps}")
     assert abs(zeta(coarse) - zeta(fine)) < 3e-4
+
+
+def test_a_heavy_section_at_low_reduced_frequency(fmu: Callable[[str], Path]) -> None:
+    """Mass ratio 300, Mach 0.2, where the phase of the lift at k = 0.09 decides: Euler at 4 and 8 percent of thickness,
+    extrapolated to none, against Possio's plate."""
+    fmus = {name: fmu(name) for name in ("structure", "aero")}
+    found = []
+    for airfoil in ("NACA 0004", "NACA 0008"):
+        case = sections.named(0.35, 0.2, 0.25, 0.5, 300.0)
+        case.flow.airfoil, case.flow.mach, case.aero.farfield_chords = airfoil, 0.2, 100.0
+        case.boundary.mach, case.boundary.V_f_range = [0.2], [0.1, 3.0]
+        [point] = solve.solve(case, fmus, lambda text: None)
+        found.append(min(c.V_f for c in point.crossings if c.kind == "flutter"))
+    case.flutter.V_f = found[0]
+    plate = possio.neutral(case, 0.2, lambda omega: np.zeros((2, 2)), found[0], (0.594,))
+    thin = 2.0 * found[0] - found[1]
+    print(f"\nmu 300, Mach 0.2: 4 % {found[0]:.4f}, 8 % {found[1]:.4f}, 0 % {thin:.4f}, Possio {plate:.4f}")
+    assert thin == pytest.approx(plate, rel=0.005)
+    assert found[1] < found[0] < thin
