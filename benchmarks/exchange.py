@@ -21,7 +21,7 @@ from aeroslosh.master.cosim.system import System, wires
 from aeroslosh.master.flutter import march
 from aeroslosh.master.flutter.march import March
 from aeroslosh.master.flutter.recorder import History
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.fmi.component import Component
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -64,16 +64,16 @@ def idle() -> Iterator[None]:
             face.step = step  # type: ignore[attr-defined]
 
 
-def exchange(rig: FlutterRig, V_f: float, steps: int = 500) -> float:
+def exchange(setup: FlutterSetup, V_f: float, steps: int = 500) -> float:
     """CPU seconds of one step with its history, physics idle."""
-    scale = rig.start(V_f)
+    scale = setup.start(V_f)
     scheme = GaussSeidel(1)
-    scheme.reset(rig.system)
-    history = History(rig, steps + 1)
+    scheme.reset(setup.system)
+    history = History(setup, steps + 1)
     with idle():
         begin = time.process_time()
         for k in range(1, steps + 1):
-            scheme.step(rig.system, scale.dt)
+            scheme.step(setup.system, scale.dt)
             history.take(k, 1)
         return (time.process_time() - begin) / steps
 
@@ -106,13 +106,13 @@ def run(repeat: int = 5) -> None:
     print(f"  two trivial FMUs                      {1e6 * trivial():6.1f} µs a step: all there is")
     for label, amplitude in (("calm fuel, 0.1 deg", 0.1), ("fuel that hits the roof, 1 deg", 1.0)):
         case = cases.load(ROOT / "cases" / "paper_s.toml", ["slosh.model=vof", f"flutter.forced_amplitude_deg={amplitude}"])
-        with FlutterRig(case, fmus, case.flow.mach) as rig:
-            march.march(rig, case.flutter.V_f)
+        with FlutterSetup(case, fmus, case.flow.mach) as setup:
+            march.march(setup, case.flutter.V_f)
             marches: list[March] = []
             idles: list[float] = []
             for _ in range(repeat):
-                marches.append(march.march(rig, case.flutter.V_f))
-                idles.append(exchange(rig, case.flutter.V_f))
+                marches.append(march.march(setup, case.flutter.V_f))
+                idles.append(exchange(setup, case.flutter.V_f))
             full = statistics.median(m.cost.total_cpu / m.cost.steps for m in marches)
             share = statistics.median(idles)
             print(f"  structure + aero + slosh_vof, {label:30s} {1e3 * full:6.2f} ms a step, FMI and master "

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.flutter import march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 
 from .exchange import exchange
 
@@ -22,13 +22,13 @@ def run(repeat: int = 5) -> None:
     """Print CPU seconds, shares and memory."""
     case = cases.load(ROOT / "cases" / "isogai_a.toml")
     begin = time.process_time()
-    with FlutterRig(case, find_fmus(ROOT / "dist" / "fmus"), case.flow.mach) as rig:
+    with FlutterSetup(case, find_fmus(ROOT / "dist" / "fmus"), case.flow.mach) as setup:
         opened = time.process_time() - begin
-        march.march(rig, case.flutter.V_f)
-        marches = [march.march(rig, case.flutter.V_f).cost for _ in range(repeat)]
+        march.march(setup, case.flutter.V_f)
+        marches = [march.march(setup, case.flutter.V_f).cost for _ in range(repeat)]
         steps = marches[0].steps
         total = statistics.median(cost.total_cpu for cost in marches)
-        overhead = statistics.median(exchange(rig, case.flutter.V_f) for _ in range(repeat))
+        overhead = statistics.median(exchange(setup, case.flutter.V_f) for _ in range(repeat))
         su2 = SU2_SECONDS_A_STEP * steps
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(f"  flutter point after the steady start {total:8.2f} s CPU, {steps} steps of {1e3 * total / steps:.2f} ms")

@@ -19,13 +19,13 @@ def rows(result: dict[str, Any]) -> list[str]:
         missed = f"{100 * max(linear['check_error']):.1f} %"
         if not linear["crossings"]:
             lines.append(f"| {point['mach']:.3f} | none | none: {len(point['marches'])} marches | | | {missed} |")
-        for foretold in linear["crossings"]:
-            own = next((c for c in point["crossings"] if c["V_f"] == foretold["marched_V_f"]), None)
-            marched = f"{own['V_f']:.4f} ± {own['V_f_uncertainty']:.4f}" if own else foretold["state"]
-            difference = f"{100 * (foretold['V_f'] / own['V_f'] - 1):+.2f} %" if own else ""
-            frequency = (own or foretold)["frequency"]
+        for predicted in linear["crossings"]:
+            own = next((c for c in point["crossings"] if c["V_f"] == predicted["marched_V_f"]), None)
+            marched = f"{own['V_f']:.4f} ± {own['V_f_uncertainty']:.4f}" if own else predicted["state"]
+            difference = f"{100 * (predicted['V_f'] / own['V_f'] - 1):+.2f} %" if own else ""
+            frequency = (own or predicted)["frequency"]
             lines.append(
-                f"| {point['mach']:.3f} | {foretold['direction']} {foretold['V_f']:.4f} | {marched} | {difference} "
+                f"| {point['mach']:.3f} | {predicted['direction']} {predicted['V_f']:.4f} | {marched} | {difference} "
                 f"| {frequency:.3f} | {missed} |"
             )
     return lines

@@ -13,7 +13,7 @@ import numpy as np
 from aeroslosh.master.boundary.search import sample
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 
 FMUS = Path(__file__).resolve().parents[1] / "dist" / "fmus"
 LOW, HIGH = 0.2, 3.0  # V_f
@@ -32,9 +32,9 @@ def main() -> None:
     case = cases.load(Path(path), [f"slosh.model={slosh}"])
     fmus = find_fmus(FMUS, slosh)
     for mach in map(float, machs):
-        with FlutterRig(case, fmus, mach) as rig:
+        with FlutterSetup(case, fmus, mach) as setup:
             for V_f in np.geomspace(LOW, HIGH, int(points)):
-                print(row(f"{case.name}_{slosh}", mach, V_f, flutter_march.march(rig, float(V_f))), flush=True)
+                print(row(f"{case.name}_{slosh}", mach, V_f, flutter_march.march(setup, float(V_f))), flush=True)
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from aeroslosh.master.cosim.scheme import Jacobi
 from aeroslosh.master.cosim.system import System
 from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter import span
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.fmi.component import Component
 from aeroslosh.master.ssp import system as ssp_system
 
@@ -71,8 +71,8 @@ def exported(case: Case, fmus: dict[str, Path], prediction: str) -> float:
 
 def own(case: Case, fmus: dict[str, Path]) -> float:
     """Growth rate of the master's own march, as the case says."""
-    with FlutterRig(case, fmus, case.flow.mach) as rig:
-        return _rate(flutter_march.march(rig, case.flutter.V_f).fit)
+    with FlutterSetup(case, fmus, case.flow.mach) as setup:
+        return _rate(flutter_march.march(setup, case.flutter.V_f).fit)
 
 
 def _rate(fit: Fit | None) -> float:

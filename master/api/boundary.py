@@ -21,7 +21,7 @@ from ..case import case as cases
 from ..case import fuel_tank
 from ..cosim.loop import Watcher
 from ..flutter.march import March
-from ..flutter.setup import FlutterRig, find_fmus
+from ..flutter.setup import FlutterSetup, find_fmus
 from ..results import by_value, summary, trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
@@ -215,18 +215,18 @@ def compute(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporte
             folder.log(text)
         report.say(text)
 
-    def before_march(rig: FlutterRig, V_f: float) -> Watcher:
-        report.start(f"M {rig.mach:g} V_f {V_f:.4g}")
+    def before_march(setup: FlutterSetup, V_f: float) -> Watcher:
+        report.start(f"M {setup.mach:g} V_f {V_f:.4g}")
         return report.watch
 
-    def on_march(rig: FlutterRig, march: March) -> None:
+    def on_march(setup: FlutterSetup, march: March) -> None:
         fit, s = march.fit, march.scales
         rate = f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}" if fit else march.reason
         worst = trust.validity(march)
         rate += "" if worst is None or fuel_tank.holds(worst) else f", {fuel_tank.broken(worst)}"
         say(f"  Mach {s.mach:g}, V_f {s.V_f:.4f}: {rate}, {march.cost.wall:.1f} s")
         if folder is not None:
-            folder.log_messages(rig.system.components)
+            folder.log_messages(setup.system.components)
 
     def on_point(found: BoundaryPoint) -> None:
         say(f"Mach {found.mach:g}: {summary.point_data(found)['outcome']}")
@@ -234,14 +234,14 @@ def compute(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporte
             folder.log(f"{found.failure}\n{found.failure.traceback}")
         kept.add(found)
 
-    def on_rig(rig: FlutterRig) -> None:
-        kept.hashes.update(rig.hashes())
-        kept.airfoil = rig.airfoil_summary
+    def on_setup(setup: FlutterSetup) -> None:
+        kept.hashes.update(setup.hashes())
+        kept.airfoil = setup.airfoil_summary
 
     def section() -> Path | None:  # the folder's name changes with the first point
         return section_file(folder) if folder is not None and case.output.pictures else None
 
-    return solve.solve(case, fmus, say, on_point, on_march, before_march, on_rig, section)
+    return solve.solve(case, fmus, say, on_point, on_march, before_march, on_setup, section)
 
 
 def draw(case: cases.Case, points: list[BoundaryPoint], kept: Kept, folder: RunFolder) -> None:

@@ -16,7 +16,7 @@ from ..case import case as cases
 from ..cosim.checkpoint import Checkpoint, Keeper
 from ..flutter import march as flutter_march
 from ..flutter.march import March
-from ..flutter.setup import FlutterRig, find_fmus
+from ..flutter.setup import FlutterSetup, find_fmus
 from ..fmi import installed, unpack
 from ..results import summary
 from ..results.history_writer import write_history
@@ -171,17 +171,17 @@ def compute(
             folder.log(text)
         report.say(text)
 
-    with FlutterRig(case, fmus, mach, place, say, section) as rig:
+    with FlutterSetup(case, fmus, mach, place, say, section) as setup:
         if folder is not None:
-            for loop in rig.system.loops:
+            for loop in setup.system.loops:
                 folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
         say(f"march at Mach {mach:g}, V_f {V_f:g}")
         report.start(f"M {mach:g} V_f {V_f:.4g}")
-        march = flutter_march.march(rig, V_f, place, report.watch, keeper, start)
-        data = summary.march_data(march, rig.steady_cpu) | {"airfoil_summary": rig.airfoil_summary or None}
+        march = flutter_march.march(setup, V_f, place, report.watch, keeper, start)
+        data = summary.march_data(march, setup.steady_cpu) | {"airfoil_summary": setup.airfoil_summary or None}
         if folder is not None:
-            folder.log_messages(rig.system.components)
-        return Computed(march, data, provenance(hashes), rig.airfoil_summary)
+            folder.log_messages(setup.system.components)
+        return Computed(march, data, provenance(hashes), setup.airfoil_summary)
 
 
 def write(case: cases.Case, computed: Computed, folder: RunFolder) -> None:

@@ -1,4 +1,4 @@
-"""The neutral V_f of a case's Mach numbers: a rig a Mach number, the strategy the case names, every march watched."""
+"""The neutral V_f of a case's Mach numbers: a setup a Mach number, the strategy the case names, every march watched."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..case.case import Case
 from ..cosim.loop import Watcher
 from ..flutter import march as flutter_march
 from ..flutter.march import March
-from ..flutter.setup import FlutterRig
+from ..flutter.setup import FlutterSetup
 from . import strategy as boundary_strategy
 from .search import BoundaryPoint, Marcher, boundary
 
@@ -20,39 +20,39 @@ def solve(
     fmus: dict[str, Path],
     say: Callable[[str], None],
     on_point: Callable[[BoundaryPoint], None] = lambda point: None,
-    on_march: Callable[[FlutterRig, March], None] = lambda rig, march: None,
-    before_march: Callable[[FlutterRig, float], Watcher | None] = lambda rig, V_f: None,
-    on_rig: Callable[[FlutterRig], None] = lambda rig: None,
+    on_march: Callable[[FlutterSetup, March], None] = lambda setup, march: None,
+    before_march: Callable[[FlutterSetup, float], Watcher | None] = lambda setup, V_f: None,
+    on_setup: Callable[[FlutterSetup], None] = lambda setup: None,
     section_file: Callable[[], Path | None] = lambda: None,
 ) -> list[BoundaryPoint]:
     """All Mach numbers of `case.boundary`.
 
-    `on_rig` sees each rig, `before_march` gives the watcher of a march's steps, `on_march` and `on_point` see what
-    is done; `section_file` says where a rig writes its section for a picture. Raises AeroSloshError
+    `on_setup` sees each setup, `before_march` gives the watcher of a march's steps, `on_march` and `on_point` see what
+    is done; `section_file` says where a setup writes its section for a picture. Raises AeroSloshError
     (not ComponentError: a failing component is an outcome of its Mach number)."""
-    rigs: dict[float, FlutterRig] = {}
+    setups: dict[float, FlutterSetup] = {}
 
-    def open_rig(of: Case, mach: float, section: Path | None = None) -> FlutterRig:
-        return FlutterRig(of, fmus, mach, None, say, section)
+    def open_setup(of: Case, mach: float, section: Path | None = None) -> FlutterSetup:
+        return FlutterSetup(of, fmus, mach, None, say, section)
 
     def marcher_at(mach: float) -> tuple[Marcher, Any]:
-        rigs.clear()
-        rig = rigs[mach] = open_rig(case, mach, section_file())
-        on_rig(rig)
+        setups.clear()
+        setup = setups[mach] = open_setup(case, mach, section_file())
+        on_setup(setup)
 
         def marcher(V_f: float) -> March:
-            march = flutter_march.march(rig, V_f, None, before_march(rig, V_f))
-            on_march(rig, march)
+            march = flutter_march.march(setup, V_f, None, before_march(setup, V_f))
+            on_march(setup, march)
             return march
 
-        return marcher, rig.close
+        return marcher, setup.close
 
     def found(point: BoundaryPoint) -> None:
         point.case = case
         on_point(point)
 
     b = case.boundary
-    strategy = boundary_strategy.Confirm(case, rigs.__getitem__, open_rig, say, b.method == "both")
+    strategy = boundary_strategy.Confirm(case, setups.__getitem__, open_setup, say, b.method == "both")
     return boundary(
         marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, found, strategy
     )

@@ -1,4 +1,4 @@
-"""What to do at a Mach number: a linear model foretells every neutral V_f, marches confirm them one by one; or either alone.
+"""What to do at a Mach number: a linear model predicts every neutral V_f, marches confirm them one by one; or either alone.
 
 Each crossing is searched from its predicted V_f and slope, among the marches' modes by its predicted frequency, no further
 than to the next crossing of the same mode. What marches do not confirm is recorded as contradicted: there the response depends
@@ -20,7 +20,7 @@ from ..base.errors import AeroSloshError, ComponentError
 from ..base.wording import plus_minus
 from ..case.case import Case
 from ..flutter.march import March
-from ..flutter.setup import FlutterRig
+from ..flutter.setup import FlutterSetup
 from ..linear import model as linear_model
 from ..linear.model import LinearCrossing, LinearModel
 from . import static_strategy
@@ -36,14 +36,14 @@ SHARED = 0.05  # marches of other crossings this near (relative) count
 
 @dataclasses.dataclass(frozen=True)
 class Confirm:
-    """What to do at one Mach number (a `boundary.Strategy`): `rig_at(mach)` is the open rig, `open_rig` opens one of another case
-    there, `say` tells the user.
+    """What to do at one Mach number (a `boundary.Strategy`): `setup_at(mach)` is the open one, `open_setup` opens one of another
+    case there, `say` tells the user.
 
     Without `marching` the linear model's crossings are the result; with the case's method "march" no model is made."""
 
     case: Case
-    rig_at: Callable[[float], FlutterRig]
-    open_rig: Callable[[Case, float], FlutterRig]
+    setup_at: Callable[[float], FlutterSetup]
+    open_setup: Callable[[Case, float], FlutterSetup]
     say: Callable[[str], None]
     marching: bool
 
@@ -53,12 +53,12 @@ class Confirm:
         low, high = b.V_f_range
         if b.method == "march":
             return self._searched(marcher, mach, guess, slope)
-        rig = self.rig_at(mach)
+        setup = self.setup_at(mach)
         amplitude = b.linear_amplitude_deg
         if not isinstance(amplitude, float):
             amplitude = self.case.flutter.forced_amplitude_deg or 1.0
         try:
-            model = linear_model.identify(rig, amplitude, self.say)
+            model = linear_model.identify(setup, amplitude, self.say)
         except AeroSloshError as error:
             if not self.marching:
                 failure = error if isinstance(error, ComponentError) else None
@@ -102,7 +102,7 @@ class Confirm:
     def _divergence(self, mach: float) -> float:
         """The V_f of static divergence by two steady solutions; nan where they could not be had."""
         try:
-            return self.rig_at(mach).divergence()
+            return self.setup_at(mach).divergence()
         except AeroSloshError:
             return math.nan
 
@@ -130,7 +130,7 @@ class Confirm:
         return wider
 
     def _spread(self, mach: float, take: Callable[[March], Sample]) -> Spread:
-        return Spread(self.case, mach, self.rig_at(mach), self.open_rig, take, self.say)
+        return Spread(self.case, mach, self.setup_at(mach), self.open_setup, take, self.say)
 
     def _confirmed(self, marcher: Marcher, mach: float, model: LinearModel, expected: list[LinearCrossing]) -> BoundaryPoint:
         """March at every predicted crossing."""
@@ -179,7 +179,7 @@ class Confirm:
         return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions, checks)
 
     def _none_expected(self, marcher: Marcher, mach: float, model: LinearModel) -> BoundaryPoint:
-        """No crossing foretold: a few marches, the least damped V_f among them, see whether that is so.
+        """No crossing predicted: a few marches, the least damped V_f among them, see whether that is so.
 
         When one of them grows the marches look for the crossing on their own."""
         b = self.case.boundary

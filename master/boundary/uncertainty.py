@@ -19,7 +19,7 @@ from ..base.errors import AeroSloshError
 from ..case.case import Case, Flutter
 from ..flutter import march as flutter_march
 from ..flutter.march import March
-from ..flutter.setup import FlutterRig
+from ..flutter.setup import FlutterSetup
 
 PARTS = ("step", "amplitude", "mesh")  # of an error bar, made here
 COARSER = 1.5  # the ratio of cell sizes of two meshes
@@ -30,13 +30,13 @@ LEAP = 0.02  # a mesh that moves V_f by more than this (relative) is marched on 
 
 @dataclass
 class Spread:
-    """Marches about one crossing: `case` at `mach` on its open `rig`; `open_rig` opens one of another case there; `take` reads
-    the crossing's mode; `say` tells the user. `marches` are those done."""
+    """Marches about one crossing: `case` at `mach` on its open `setup`; `open_setup` opens one of another case there; `take`
+    reads the crossing's mode; `say` tells the user. `marches` are those done."""
 
     case: Case
     mach: float
-    rig: FlutterRig
-    open_rig: Callable[[Case, float], FlutterRig]
+    setup: FlutterSetup
+    open_setup: Callable[[Case, float], FlutterSetup]
     take: Callable[[March], Sample]
     say: Callable[[str], None]
     marches: list[March] = field(default_factory=list)
@@ -81,37 +81,37 @@ class Spread:
 
     def _on_own_mesh(self, settings: Flutter, V_f: float, crossing: Crossing) -> float:
         """The neutral V_f under other settings of the march; nan without a growth rate."""
-        self.rig.case = dataclasses.replace(self.case, flutter=settings)
+        self.setup.case = dataclasses.replace(self.case, flutter=settings)
         try:
-            return self._neutral(self.rig, V_f, crossing)
+            return self._neutral(self.setup, V_f, crossing)
         except AeroSloshError as error:
             self.say(f"  {settings.steps_per_cycle} steps a cycle, {settings.forced_amplitude_deg:g}°: {error.what}")
             return math.nan
         finally:
-            self.rig.case = self.case
+            self.setup.case = self.case
 
     def _on_mesh(self, cells: tuple[int, int], V_f: float, crossing: Crossing) -> float:
         """The neutral V_f on another mesh; nan without a growth rate, or without a steady flow to start from."""
         aero = dataclasses.replace(self.case.aero, cells_around=cells[0], cells_normal=cells[1])
         try:
-            with self.open_rig(dataclasses.replace(self.case, aero=aero), self.mach) as rig:
-                return self._neutral(rig, V_f, crossing)
+            with self.open_setup(dataclasses.replace(self.case, aero=aero), self.mach) as setup:
+                return self._neutral(setup, V_f, crossing)
         except AeroSloshError as error:
             self.say(f"  mesh of {cells[0]} x {cells[1]} cells: {error.what}")
             return math.nan
 
-    def _neutral(self, rig: FlutterRig, V_f: float, crossing: Crossing) -> float:
+    def _neutral(self, setup: FlutterSetup, V_f: float, crossing: Crossing) -> float:
         """Newton's step from a march at `V_f`, with the crossing's slope; a long one is checked by a march there."""
-        first = self._march(rig, V_f)
+        first = self._march(setup, V_f)
         found = V_f - first.growth_rate / crossing.slope
         if not abs(found / V_f - 1.0) > LEAP:
             return found
-        second = self._march(rig, min(max(found, 0.75 * V_f), 1.25 * V_f))
+        second = self._march(setup, min(max(found, 0.75 * V_f), 1.25 * V_f))
         change = second.growth_rate - first.growth_rate
         return second.V_f - second.growth_rate * (second.V_f - V_f) / change if change else math.nan
 
-    def _march(self, rig: FlutterRig, V_f: float) -> Sample:
-        self.marches.append(flutter_march.march(rig, V_f))
+    def _march(self, setup: FlutterSetup, V_f: float) -> Sample:
+        self.marches.append(flutter_march.march(setup, V_f))
         return self.take(self.marches[-1])
 
 

@@ -25,8 +25,8 @@ SECTION = (
     "section.elastic_axis", "section.x_alpha", "section.r2_alpha", "section.frequency_ratio", "section.mass_ratio",
     "flow.airfoil",
 )  # fmt: skip
-REQUIRED = {  # command → keys; "rig": an open rig, which is told its Mach number and V_f
-    "rig": SECTION,
+REQUIRED = {  # command → keys; "setup": an open setup, which is told its Mach number and V_f
+    "setup": SECTION,
     "point": (*SECTION, "flow.mach", "flutter.V_f"),
     "boundary": (*SECTION, "boundary.mach"),
 }
@@ -46,7 +46,7 @@ _OWN = ("ems", "rbf", "vof", "implicit", "iqn-ils")  # a key's description begin
 
 
 def required(case: Case, command: str) -> tuple[str, ...]:
-    """The keys that `command` ("rig", "point" or "boundary") cannot do without in this case."""
+    """The keys that `command` ("setup", "point" or "boundary") cannot do without in this case."""
     model = case.slosh.model
     return REQUIRED[command] + {"none": (), "frozen": TANK}.get(model, MOVING)
 
@@ -54,13 +54,13 @@ def required(case: Case, command: str) -> tuple[str, ...]:
 def complete(case: Case, command: str, where: str) -> None:
     """Refuse a case read from a file in which a required key is missing in all its forms. Raises AeroSloshError that names all
     of them; also for keys by value that have been changed since they were converted."""
-    if command == "rig" and not by_value.settled(case):
+    if command == "setup" and not by_value.settled(case):
         raise AeroSloshError(
             "The case's keys by value were changed after they had been converted", where, "change a case with `case.changed`"
         )
     if case.source:
         liquid = f' with slosh.model = "{case.slosh.model}"' if case.slosh.model != "none" else ""
-        asks = "march" if command == "rig" else command
+        asks = "march" if command == "setup" else command
         names = required(case, command)
         require(case, names, {name for name in names if by_value.known(case, name)}, where, f"a {asks}{liquid}")
 
@@ -141,7 +141,7 @@ def together(case: Case, where: str) -> None:
         raise AeroSloshError(
             f'slosh.predictor = "{case.slosh.predictor}" for slosh.model = "{case.slosh.model}"',
             where,
-            "a cheaper model of the moving liquid predicts a dearer one: ems or rbf for vof, ems for rbf",
+            "a cheaper model of the moving liquid predicts a more expensive one: ems or rbf for vof, ems for rbf",
         )
     known = not case.source or all(by_value.known(case, name) for name in ("section.x_alpha", "section.r2_alpha"))
     if known and s.r2_alpha <= s.x_alpha**2:

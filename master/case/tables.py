@@ -133,7 +133,7 @@ class Boundary:
     max_marches: int = key(12, "most marches a Mach number; with a linear model half of them a crossing at most", low=2, high=200)
     method: str = key(
         "both",
-        "linear: eigenvalues of a linear model; march: marches alone; both: marches confirm what the model foretells",
+        "linear: eigenvalues of a linear model; march: marches alone; both: marches confirm what the model predicts",
         choices=["linear", "march", "both"],
     )
     linear_amplitude_deg: float | str = key(
@@ -153,7 +153,7 @@ class Slosh:
 
     model: str = key("none", "none (dry), frozen, ems, rbf or vof", choices=["none", "frozen", "ems", "rbf", "vof"])
     predictor: str = key(
-        "none", "a cheaper model that foretells the slosh loads of a step: none, ems or rbf", choices=["none", "ems", "rbf"]
+        "none", "a cheaper model that predicts the slosh loads of a step: none, ems or rbf", choices=["none", "ems", "rbf"]
     )
     split: str = key(
         "frozen",

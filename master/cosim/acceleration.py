@@ -16,7 +16,7 @@ from .quasi_newton import least_squares
 
 
 class Acceleration(Protocol):
-    """The face of an acceleration."""
+    """The interface of an acceleration."""
 
     name: str
 

@@ -1,4 +1,4 @@
-"""A cheap model foretells what an expensive component will answer: EMS or a network for two-phase slosh.
+"""A cheap model predicts what an expensive component will answer: EMS or a network for two-phase slosh.
 
 The wires that leave the expensive component must be guessed before it is stepped. The components that drive it (the structure)
 are stepped together with the cheap model, from saved states, until the loads on the wires agree with the motion they cause; to
@@ -49,7 +49,7 @@ class Surrogate:
         self._newton = QuasiNewton()
         self._scale = np.abs(system.wire_values()[self._mine])
 
-    def foretell(self, system: System, carried: np.ndarray, dt: float) -> None:
+    def predict(self, system: System, carried: np.ndarray, dt: float) -> None:
         """Put the guess for the end of the step into `carried` (shape (n_wires,)), where the polynomial one stood."""
         mine, difference = self._mine, self._difference.next()
         parts = [system.components[i] for i in self._drivers]

@@ -56,7 +56,7 @@ ONE_PASS = StepReport()
 
 
 class Scheme(Protocol):
-    """The face of a coupling scheme."""
+    """The interface of a coupling scheme."""
 
     name: str
 
@@ -75,7 +75,7 @@ class Scheme(Protocol):
 
 class Predictor:
     """What the wires will carry at the end of the step: extrapolated by a polynomial of `order` 0, 1 or 2; what a component
-    with a surrogate will answer is foretold by that."""
+    with a surrogate will answer is predicted by that."""
 
     def __init__(self, order: int) -> None:
         self.order = order
@@ -89,7 +89,7 @@ class Predictor:
         """The prediction for every wire. Shape: (n_wires,)."""
         carried = self._wires.next()
         for surrogate in self._surrogates:
-            surrogate.foretell(system, carried, dt)
+            surrogate.predict(system, carried, dt)
         return carried
 
     def held(self) -> np.ndarray:

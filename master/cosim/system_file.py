@@ -3,7 +3,7 @@
 [components.tank]               a name
 fmu = "slosh_ems.fmu"           relative to this file, else in the folder of the FMUs
 parameters = { fill_level = 0.4 }
-predicts = ""                   another component that this one foretells (docs/coupling.md)
+predicts = ""                   another component that this one predicts (docs/coupling.md)
 
 [system]
 wires = ["table.x -> tank.x"]   outputs to inputs; inputs without a wire keep their start values
@@ -37,7 +37,7 @@ class Part:
 
     fmu: str = key("", "FMU file, relative to the system file, or a name in the folder of the FMUs")
     parameters: dict[str, Any] = field(default_factory=dict, metadata=rule("variable = value, set before it starts", empty=True))
-    predicts: str = key("", "component that this one foretells; it is not stepped with the others")
+    predicts: str = key("", "component that this one predicts; it is not stepped with the others")
 
 
 @dataclass

@@ -9,22 +9,22 @@ import numpy as np
 from ..analysis.damping import analyse
 from ..analysis.verdict import MORE_CYCLES, Judgement, Verdict, judge
 from ..cosim.loop import End, Stop
-from .setup import FlutterRig
+from .setup import FlutterSetup
 from .span import PERIODS, Span, slower_frequency
 
 FEWEST = 24  # samples that a motion which grew out of reach is fitted on
 TIMES_LARGER = 3.0  # a motion that outgrew max_alpha_deg by this factor since its release grows
 
 
-def judged(table: dict[str, np.ndarray], span: Span, V_f: float, rig: FlutterRig, enough: int = 0) -> Judgement:
+def judged(table: dict[str, np.ndarray], span: Span, V_f: float, setup: FlutterSetup, enough: int = 0) -> Judgement:
     """Fit and verdict of the free part, if there are `enough` samples of it."""
     tau, free = table["tau"][span.release :], np.vstack([table["h_over_b"], table["alpha"]])[:, span.release :]
     if tau.size < enough:
         return Judgement(Verdict.UNDETERMINED, "the free response is shorter than one period", False, None, MORE_CYCLES)
-    said = judge(tau, free, analyse(tau, free), rig.case.flutter.neutral_band, rig.stiffness(V_f))
+    said = judge(tau, free, analyse(tau, free), setup.case.flutter.neutral_band, setup.stiffness(V_f))
     if span.release + tau.size - 1 >= span.least or said.verdict in (Verdict.FLUTTER, Verdict.DIVERGENCE, Verdict.UNDETERMINED):
         return said
-    slower = f"{PERIODS:g} periods of the slower natural mode ({slower_frequency(rig.case):.3f} omega_alpha)"
+    slower = f"{PERIODS:g} periods of the slower natural mode ({slower_frequency(setup.case):.3f} omega_alpha)"
     return Judgement(Verdict.UNDETERMINED, f"the free response is shorter than {slower}", False, said.fit, MORE_CYCLES)
 
 

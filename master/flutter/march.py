@@ -23,7 +23,7 @@ from . import apparent_mass
 from .flow_fields import Fields
 from .judging import FEWEST, checked, judged
 from .recorder import History
-from .setup import FlutterRig
+from .setup import FlutterSetup
 from .span import Span
 
 QUARTERS = (0.75, 0.5, 0.25, 0.0)  # of the last period: instants of the flow fields
@@ -108,31 +108,31 @@ class _FieldsWanted(Observer):
 
 
 def march(
-    rig: FlutterRig,
+    setup: FlutterSetup,
     V_f: float,
     field_folder: Path | None = None,
     watch: Watcher | None = None,
     keeper: Keeper | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> March:
-    """March `rig` at `V_f`. A failing component ends the march: the history so far is kept and judged.
+    """March `setup` at `V_f`. A failing component ends the march: the history so far is kept and judged.
 
-    `field_folder`: where the rig's aero FMU writes flow fields; four instants of the last free period are asked for.
+    `field_folder`: where the setup's aero FMU writes flow fields; four instants of the last free period are asked for.
     `keeper` writes checkpoints; from one (`checkpoint`) the march goes on as if it had not been interrupted.
     """
-    rig.slopes()  # for the verdict: part of the steady start, not of the march
-    meter = Meter(rig.system)
-    case, system, s = rig.case, rig.system, rig.start(V_f)
-    coupling, note = apparent_mass.coupling(case, rig.mach, rig.tank.liquid if rig.tank and rig.tank.carried else None)
+    setup.slopes()  # for the verdict: part of the steady start, not of the march
+    meter = Meter(setup.system)
+    case, system, s = setup.case, setup.system, setup.start(V_f)
+    coupling, note = apparent_mass.coupling(case, setup.mach, setup.tank.liquid if setup.tank and setup.tank.carried else None)
     scheme, statistics = assemble.make(coupling), Statistics()
     if keeper is not None:
         keeper.check(system)
     scheme.reset(system)
     span = Span.of(case, s)
-    steps, history = span.planned, History(rig, span.planned + 1)
+    steps, history = span.planned, History(setup, span.planned + 1)
     history.take(0)
-    fields = Fields(rig.aero, field_folder, _instants(steps, s))
-    unconverged = {c.name: 0 for c in system.components if c is not rig.structure}
+    fields = Fields(setup.aero, field_folder, _instants(steps, s))
+    unconverged = {c.name: 0 for c in system.components if c is not setup.structure}
     observers = [
         _FieldsWanted(fields),
         Counter(statistics),
@@ -161,13 +161,13 @@ def march(
         statistics.restore(checkpoint.about["scheme"])
     said: Judgement | None = None
     while loop.to(steps) and steps < span.most:
-        said = judged(history.finish(steps + 1, s), span, V_f, rig)
+        said = judged(history.finish(steps + 1, s), span, V_f, setup)
         if said.settled:
             break
         said, steps = None, span.longer(steps)
         history.extend(steps + 1)
         fields.again(_instants(steps, s))
-    if loop.failure is not None and rig.exchanges_whole_loads:
+    if loop.failure is not None and setup.exchanges_whole_loads:
         loop.failure.remedy = (
             "slosh.split = 'frozen' or coupling.scheme = 'implicit': the whole load of a heavy liquid, exchanged once a "
             f"step, diverges at any step. Else {loop.failure.remedy}"
@@ -177,8 +177,8 @@ def march(
     table = history.finish(loop.done + 1, s)
     stop = loop.stop if loop.failure is None else None
     if said is None:
-        said = judged(table, span, V_f, rig, FEWEST if stop else s.steps_per_cycle)
-    said = checked(said, table, span.release, stop, statistics.failed, loop.done, rig.stiffness(V_f))
+        said = judged(table, span, V_f, setup, FEWEST if stop else s.steps_per_cycle)
+    said = checked(said, table, span.release, stop, statistics.failed, loop.done, setup.stiffness(V_f))
     return March(
         s,
         table,
@@ -195,7 +195,7 @@ def march(
         statistics.data(),
         said.settled,
         said.remedy,
-        rig.stiffness(V_f),
+        setup.stiffness(V_f),
         note,
     )
 

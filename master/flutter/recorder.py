@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..case.scales import Scales
-from .setup import FlutterRig
+from .setup import FlutterSetup
 
 REALS = {  # history channel: (component, output, unit, long name)
     "h": ("structure", "h", "m", "plunge of the elastic axis, positive down"),
@@ -36,9 +36,9 @@ REALS = {  # history channel: (component, output, unit, long name)
 class History:
     """Collects the channels step by step into preallocated arrays."""
 
-    def __init__(self, rig: FlutterRig, n: int) -> None:
-        self._rig = rig
-        running = {c.name: c.output_index for c in rig.system.components}
+    def __init__(self, setup: FlutterSetup, n: int) -> None:
+        self._rig = setup
+        running = {c.name: c.output_index for c in setup.system.components}
         # a slosh model tells what it has; the other components always have a column
         columns = [n for n, (c, out, _, _) in REALS.items() if c in running and (c != "slosh" or out in running[c])]
         self.values = {name: np.zeros(n) for name in columns}
@@ -46,17 +46,17 @@ class History:
         self._places = [
             (
                 name,
-                rig.system[component].outputs.values,
-                rig.system[component].output_index[output],
+                setup.system[component].outputs.values,
+                setup.system[component].output_index[output],
             )
             for name, (component, output, _, _) in REALS.items()
             if name in self.values and output in running[component]
         ]
         self._reals = [(self.values[name], outputs, position) for name, outputs, position in self._places]
-        whole = rig.aero.whole
+        whole = setup.aero.whole
         self._subiterations = whole.names.index("subiterations") if "subiterations" in whole.names else None
         self._converged = [
-            (c.name, c.truth, c.truth.names.index("converged")) for c in rig.system.components if "converged" in c.truth.names
+            (c.name, c.truth, c.truth.names.index("converged")) for c in setup.system.components if "converged" in c.truth.names
         ]
 
     def take(self, i: int, passes: int = 0) -> list[str]:

@@ -47,7 +47,7 @@ def find_fmus(folder: Path, *models: str) -> dict[str, Path]:
     return found
 
 
-class FlutterRig:
+class FlutterSetup:
     """Structure, aero and slosh FMU at one Mach number. Use as a context manager.
 
     `start(V_f)` makes the structure of that V_f and rewinds the aero FMU to its steady flow: what a march
@@ -65,7 +65,7 @@ class FlutterRig:
         say: Callable[[str], None] = lambda text: None,
         section_file: Path | None = None,
     ) -> None:
-        checks.complete(case, "rig", case.source)
+        checks.complete(case, "setup", case.source)
         fmu_parameters.check(case, fmus)
         self.case, self.mach = case, mach
         self._steady: Saved | None = None
@@ -88,7 +88,7 @@ class FlutterRig:
             opened.pop_all()
         self.steady_cpu = self.aero.cpu
 
-    def __enter__(self) -> FlutterRig:
+    def __enter__(self) -> FlutterSetup:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -96,9 +96,9 @@ class FlutterRig:
 
     @property
     def steady(self) -> Saved:
-        """The aero FMU's state after its steady solution. Raises AeroSloshError when the rig is closed."""
+        """The aero FMU's state after its steady solution. Raises AeroSloshError when the setup is closed."""
         if self._steady is None:
-            raise AeroSloshError("The rig is closed", "FlutterRig.steady", "open a new one")
+            raise AeroSloshError("The set-up is closed", "FlutterSetup.steady", "open a new one")
         return self._steady
 
     @property
@@ -163,7 +163,7 @@ class FlutterRig:
             self.system.close()
 
     def slopes(self) -> SteadySlopes | None:
-        """Slopes of the steady loads over incidence by a second steady solution, once a rig; None where it does not converge."""
+        """Slopes of the steady loads over incidence by a second steady solution, once; None where it does not converge."""
         if isinstance(self._slopes, str):
             self._slopes = self._find_slopes(STEP)
         return self._slopes

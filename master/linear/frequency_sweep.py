@@ -83,7 +83,7 @@ class Record:
         return float(self.s[1] - self.s[0])
 
 
-def check_face(aero: Component) -> None:
+def check_interface(aero: Component) -> None:
     """Raises AeroSloshError when the FMU lacks a motion input or a load output."""
     for causality, names in NEEDED.items():
         known = aero.input_index if causality == "input" else aero.output_index

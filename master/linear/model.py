@@ -1,7 +1,7 @@
 """A linear model of one Mach number from small motions of its aero FMU, and every neutral V_f that follows from it.
 
 Two sweeps in frequency, one of the plunge rate and one of pitch, are answered by the FMU and fitted by a rational model
-(module `rational`); a third motion, another sweep in both at once, tells how well the model foretells what it was not fitted
+(module `rational`); a third motion, another sweep in both at once, tells how well the model predicts what it was not fitted
 to. A sweep of finite amplitude gives the best linear model at that amplitude: where a shock makes the loads depend on it, sweep
 as far as the marches swing (Pintelon and Schoukens, System Identification, 2nd ed., 2012, doi 10.1002/9781118287422). In fixed
 air V_f changes the structure alone (module `similarity`), so one model serves every V_f: the aeroelastic eigenvalues follow
@@ -23,10 +23,10 @@ from ..analysis import crossings as analysis_crossings
 from ..case.case import Case
 from ..case.fuel_tank import Liquid
 from ..case.scales import scales
-from ..flutter.setup import FlutterRig
+from ..flutter.setup import FlutterSetup
 from ..flutter.statics import SteadySlopes
 from . import rational_fit, root_loci
-from .frequency_sweep import check_face, chirp, drive, still
+from .frequency_sweep import check_interface, chirp, drive, still
 from .rational_fit import Rational
 from .root_loci import Loci
 
@@ -158,30 +158,30 @@ class LinearModel:
         return sorted(found, key=lambda c: c.V_f)
 
 
-def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] = lambda text: None) -> LinearModel:
-    """The linear model of the aero FMU of `rig`, from its saved steady flow, by motions of `amplitude_deg`.
+def identify(setup: FlutterSetup, amplitude_deg: float, say: Callable[[str], None] = lambda text: None) -> LinearModel:
+    """The linear model of the aero FMU of `setup`, from its saved steady flow, by motions of `amplitude_deg`.
 
     Raises ComponentError when the FMU fails, AeroSloshError when it lacks a variable or answers with no number."""
     begin = clock.perf_counter(), clock.process_time()
-    check_face(rig.aero)
-    s = scales(rig.case, rig.mach, rig.case.flutter.V_f)  # speed and chord: V_f does not matter
+    check_interface(setup.aero)
+    s = scales(setup.case, setup.mach, setup.case.flutter.V_f)  # speed and chord: V_f does not matter
     size = math.radians(amplitude_deg)
     sweep = chirp(size, 0.0, SWEEP, (LOWEST, BAND), 0.8)
     records = []
     for name, curves in (("plunge", (sweep, still)), ("pitch", (still, sweep))):
         say(f"  sweep in {name}, {amplitude_deg:g} degrees")
-        records.append(drive(rig.aero, rig.steady, s, curves, STEP, SWEEP + REST))
+        records.append(drive(setup.aero, setup.steady, s, curves, STEP, SWEEP + REST))
     say("  another motion, to check")
     both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
-    check = drive(rig.aero, rig.steady, s, both, STEP, CHECK)
-    slopes = rig.slopes()
+    check = drive(setup.aero, setup.steady, s, both, STEP, CHECK)
+    slopes = setup.slopes()
     steady = np.array([slopes.C_L, slopes.C_M]) if slopes is not None else None
     aero = rational_fit.fit(records, ORDER, SLOWEST, FASTEST, steady)
     smaller = rational_fit.fit(records, ORDER - 2, SLOWEST, FASTEST, steady)
     fit_error, check_error = np.max([aero.error(r) for r in records], axis=0), aero.error(check)
     return LinearModel(
-        rig.case,
-        rig.mach,
+        setup.case,
+        setup.mach,
         amplitude_deg,
         aero,
         smaller,
@@ -191,10 +191,10 @@ def identify(rig: FlutterRig, amplitude_deg: float, say: Callable[[str], None] =
         clock.process_time() - begin[1],
         clock.perf_counter() - begin[0],
         _note(check_error),
-        rig.tank.liquid if rig.tank else None,
+        setup.tank.liquid if setup.tank else None,
         slopes,
-        rig.other_slopes(),
-        rig.tank.static_stiffness if rig.tank else 0.0,
+        setup.other_slopes(),
+        setup.tank.static_stiffness if setup.tank else 0.0,
     )
 
 

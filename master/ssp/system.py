@@ -1,7 +1,7 @@
 """What an SSP archive holds of a coupled system: its FMUs, what the master sets in each before a march, the wires, the times.
 
-Nothing is worked out here. The system is built and initialised by the code that marches it (`FlutterRig`, `assembly.build`), and
-what that code has set in each FMU (`Component.given`) is what the archive says; the trim loads of a section are those of its own
+Nothing is worked out here. The system is built and initialised by the code that marches it (`FlutterSetup`, `system_file.build`),
+and what that code has set in each FMU (`Component.given`) is what the archive says; the trim loads of a section are those of its own
 steady flow. Inputs get as start values what their wires carry at the start, so that a host which exchanges nothing before the
 first step starts from the same state.
 
@@ -28,7 +28,7 @@ from ..cosim.coupling_settings import Coupling
 from ..cosim.system import System, Wire
 from ..cosim.system_file import Assembly
 from ..flutter import span
-from ..flutter.setup import FlutterRig
+from ..flutter.setup import FlutterSetup
 
 
 @dataclass(frozen=True)
@@ -80,19 +80,19 @@ def from_case(
 ) -> Coupled:
     """The flutter system of `case` at its Mach number and V_f; solves the steady flow, for the trim.
 
-    `prediction`: whether the FMUs foretell their inputs: none, linear, or (None) what coupling.predictor_order says. Raises
+    `prediction`: whether the FMUs predict their inputs: none, linear, or (None) what coupling.predictor_order says. Raises
     AeroSloshError for settings that change the motion and that an archive cannot hold, ComponentError when an FMU fails."""
     _refuse(case.coupling, "the case")
-    with FlutterRig(case, fmus, case.flow.mach, say=say) as rig:
-        s = rig.start(case.flutter.V_f)
-        parts = _parts(rig.system)
-        connections = rig.system.wires
+    with FlutterSetup(case, fmus, case.flow.mach, say=say) as setup:
+        s = setup.start(case.flutter.V_f)
+        parts = _parts(setup.system)
+        connections = setup.system.wires
     notes = [*_predict(parts, case.coupling, prediction), *_limits(parts)]
     if case.flutter.forced_cycles == 0.0:  # a forced phase starts from rest and is not moved by loads
         notes += _starts(parts)
     if case.slosh.predictor != "none" and case.slosh.model != "frozen":
         notes.append(
-            f"slosh.predictor = {case.slosh.predictor} is left out: one FMU foretelling another's loads is no part of SSP."
+            f"slosh.predictor = {case.slosh.predictor} is left out: one FMU predicting another's loads is no part of SSP."
         )
     if case.slosh.split == "none" and case.slosh.model not in ("none", "frozen"):
         notes.append(
@@ -116,7 +116,7 @@ def from_assembly(assembly: Assembly, fmus: dict[str, Path], prediction: str | N
     finally:
         system.close()
     left_out = [
-        f"components.{name} is left out: one FMU foretelling '{part.predicts}' is no part of SSP."
+        f"components.{name} is left out: one FMU predicting '{part.predicts}' is no part of SSP."
         for name, part in assembly.components.items()
         if part.predicts
     ]

@@ -1,4 +1,4 @@
-"""What a sweep will cost, from a few real steps of a point of every kind of rig in it."""
+"""What a sweep will cost, from a few real steps of a point of every kind of setup in it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .jobs import Job, Probe
 from .plan import Plan
 from .progress import duration
 
-PROBES = 12  # rigs that are tried at most
+PROBES = 12  # setups that are tried at most
 USUAL = 5  # marches at a Mach number of a boundary, as a rule
 
 
@@ -25,7 +25,7 @@ class Estimate:
     cpu_seconds: float
     steps: int
     marches: int
-    rigs: int
+    setups: int
     step_milliseconds: dict[str, float]
 
 
@@ -56,8 +56,8 @@ def cost(wanted: Sequence[Job], tried: Sequence[Job], probes: Sequence[Probe]) -
         each, of_it = _work(job)
         total += each * probe.step_seconds
         steps, marches = steps + each, marches + of_it
-        if job.kind != "point" or job.rig_key not in seen:
-            seen.add(job.rig_key)
+        if job.kind != "point" or job.setup_key not in seen:
+            seen.add(job.setup_key)
             total += probe.open_seconds
     said = {label(job): round(1e3 * probe.step_seconds, 3) for job, probe in zip(tried, probes, strict=True) if not probe.error}
     return Estimate(total, steps, marches, len(seen), said)
@@ -86,7 +86,7 @@ def summary(data: dict[str, Any], plan: Plan) -> str:
     return "\n".join(
         [
             f"{data['points']} points ({plan.kind}) over {', '.join(plan.names)}; {data['finished']} are finished",
-            f"  marches      {data['marches']} ({data['steps']:,} steps{guess}); {data['rigs']} rigs to open",
+            f"  marches      {data['marches']} ({data['steps']:,} steps{guess}); {data['setups']} setups to open",
             *(f"  a step       {milliseconds:.2f} ms ({name})" for name, milliseconds in data["step_milliseconds"].items()),
             f"  cost         {duration(data['cpu_seconds'])} of one core, {wall}",
         ]

@@ -1,6 +1,6 @@
 """What one point computes, in whatever process: a job comes in, a product (its record and its file's bytes) goes out.
 
-A kind of job is a function of `KINDS`. An open rig is kept for the next point that can march it: its aero FMU rewinds to the
+A kind of job is a function of `KINDS`. An open setup is kept for the next point that can march it: its aero FMU rewinds to the
 steady flow, structure and liquid are new, so that a result does not depend on what was computed before."""
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from ..case.fuel_tank import FMU
 from ..case.scales import scales
 from ..flutter import march as flutter_march
 from ..flutter.march import March
-from ..flutter.setup import FlutterRig
+from ..flutter.setup import FlutterSetup
 from ..fmi import unpack
 from ..results import by_value, point_file, summary, trust
 from ..results.point_file import Record
 from ..results.provenance import provenance
-from .plan import mach_of, rig_key
+from .plan import mach_of, setup_key
 
-RIGS = 2  # open rigs a worker keeps
+SETUPS = 2  # open setups a worker keeps
 PROBED = 12  # steps whose time a probe measures, after as many that warm up
 
 
@@ -45,9 +45,9 @@ class Job:
     command: str = ""
 
     @property
-    def rig_key(self) -> str:
-        """Jobs of one key march the same rig."""
-        return rig_key(self.case, mach_of(self.kind, self.case))
+    def setup_key(self) -> str:
+        """Jobs of one key march the same setup."""
+        return setup_key(self.case, mach_of(self.kind, self.case))
 
     @property
     def fmus(self) -> dict[str, Path]:
@@ -92,30 +92,30 @@ class _Enough(Exception):
 
 
 class Bench:
-    """The open rigs of one process, the latest last."""
+    """The open setups of one process, the latest last."""
 
     def __init__(self) -> None:
-        self._rigs: OrderedDict[str, FlutterRig] = OrderedDict()
+        self._setups: OrderedDict[str, FlutterSetup] = OrderedDict()
 
-    def rig(self, job: Job) -> FlutterRig:
-        """A rig for `job`, at its case: one kept, or a new one. Raises AeroSloshError."""
-        key = job.rig_key
-        rig = self._rigs.pop(key, None)
-        if rig is None:
-            while len(self._rigs) >= RIGS:
-                self._rigs.popitem(last=False)[1].close()
-            rig = FlutterRig(job.case, job.fmus, job.case.flow.mach)
-        self._rigs[key] = rig
-        rig.case = job.case
-        for component in rig.system.components:
+    def setup(self, job: Job) -> FlutterSetup:
+        """A setup for `job`, at its case: one kept, or a new one. Raises AeroSloshError."""
+        key = job.setup_key
+        setup = self._setups.pop(key, None)
+        if setup is None:
+            while len(self._setups) >= SETUPS:
+                self._setups.popitem(last=False)[1].close()
+            setup = FlutterSetup(job.case, job.fmus, job.case.flow.mach)
+        self._setups[key] = setup
+        setup.case = job.case
+        for component in setup.system.components:
             component.messages.clear()
-        return rig
+        return setup
 
     def drop(self, job: Job) -> None:
-        """Close the rig of `job`: after a failure nothing of it is trusted."""
-        rig = self._rigs.pop(job.rig_key, None)
-        if rig is not None:
-            rig.close()
+        """Close the setup of `job`: after a failure nothing of it is trusted."""
+        setup = self._setups.pop(job.setup_key, None)
+        if setup is not None:
+            setup.close()
 
 
 def compute(job: Job, bench: Bench, worker: str) -> Product:
@@ -178,7 +178,7 @@ def check_files(job: Job) -> None:
 
 
 def probe(job: Job, bench: Bench) -> Probe:
-    """Open the rig of `job` and make a few steps: its kernels are compiled then, and their cost is known."""
+    """Open the setup of `job` and make a few steps: its kernels are compiled then, and their cost is known."""
     check_files(job)
     begin, marks = clock.process_time(), [0.0, 0.0]
 
@@ -189,9 +189,9 @@ def probe(job: Job, bench: Bench) -> Probe:
             raise _Enough
 
     try:
-        rig = bench.rig(job)
+        setup = bench.setup(job)
         opened = clock.process_time()
-        flutter_march.march(rig, job.case.flutter.V_f, None, watch)
+        flutter_march.march(setup, job.case.flutter.V_f, None, watch)
     except _Enough:
         return Probe(opened - begin, (marks[1] - marks[0]) / PROBED)
     except AeroSloshError as error:
@@ -210,16 +210,16 @@ def steps(job: Job) -> int:
 
 def _point(job: Job, bench: Bench) -> Computed:
     """One march."""
-    rig = bench.rig(job)
-    march = flutter_march.march(rig, job.case.flutter.V_f)
-    result = summary.march_data(march, rig.steady_cpu) | {"airfoil_summary": rig.airfoil_summary or None}
+    setup = bench.setup(job)
+    march = flutter_march.march(setup, job.case.flutter.V_f)
+    result = summary.march_data(march, setup.steady_cpu) | {"airfoil_summary": setup.airfoil_summary or None}
     failure = march.failure
     cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
     return Computed(result, trust.verdict(march) is not Verdict.UNDETERMINED, [march], cause, trace)
 
 
 def _boundary(job: Job, bench: Bench) -> Computed:
-    """All Mach numbers of one boundary; its rigs are its own."""
+    """All Mach numbers of one boundary; its setups are its own."""
     points = solve.solve(job.case, job.fmus, lambda text: None)
     model = job.case.slosh.model
     rows = [{"slosh": model} | summary.point_data(p) for p in points]

@@ -95,8 +95,8 @@ def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: s
     return Plan(kind, case.sweep.mode, names, tuple(points.values()), base, fmus, len(combinations) - len(points))
 
 
-def rig_key(point_case: Case, mach: float) -> str:
-    """Everything that an open rig depends on: two points of one key can march the same rig."""
+def setup_key(point_case: Case, mach: float) -> str:
+    """Everything that an open setup depends on: two points of one key can march the same setup."""
     tables = [dataclasses.asdict(table) for table in (point_case.flow, point_case.aero, point_case.slosh, point_case.coupling)]
     return json.dumps([*tables, point_case.section.chord, point_case.section.elastic_axis, mach], sort_keys=True)
 

@@ -19,7 +19,7 @@ from multiprocessing.connection import wait
 
 from ..base.errors import AeroSloshError
 from ..base.paths import PLACE
-from .jobs import RIGS, Job, Probe, Product
+from .jobs import SETUPS, Job, Probe, Product
 from .worker import Answer
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -37,7 +37,7 @@ class Worker:
         self.name, self.answered, self.memory = name, 0, (0, 0)
         self.job: Job | None = None
         self._ready = False
-        self.keys: deque[str] = deque(maxlen=RIGS)
+        self.keys: deque[str] = deque(maxlen=SETUPS)
         self.pipe, theirs = Pipe()
         self._said = tempfile.TemporaryFile()  # noqa: SIM115
         path = os.pathsep.join([str(PLACE), *filter(None, [os.environ.get("PYTHONPATH")])])
@@ -58,8 +58,8 @@ class Worker:
     def give(self, what: str, job: Job) -> None:
         """Send a task: "compute" or "probe". Raises WorkerDied."""
         self.job = job
-        if job.rig_key not in self.keys:
-            self.keys.append(job.rig_key)
+        if job.setup_key not in self.keys:
+            self.keys.append(job.setup_key)
         try:
             self.pipe.send((what, job))
         except OSError:
@@ -130,7 +130,7 @@ class LocalPool:
 
     def __init__(self, count: int, recycle: int, say: Callable[[str], None]) -> None:
         self.count, self._recycle, self._say = count, recycle, say
-        self._jobs: OrderedDict[str, deque[Job]] = OrderedDict()  # by rig: a worker goes on with the rig it has
+        self._jobs: OrderedDict[str, deque[Job]] = OrderedDict()  # by setup: a worker goes on with the setup it has
         self._workers: list[Worker] = []
         self._started = 0
         self._afresh: set[str] = set()  # points computed a second time since a kernel was compiled in the first
@@ -153,7 +153,7 @@ class LocalPool:
 
     def add(self, job: Job) -> None:
         """Put a job into the queue."""
-        self._jobs.setdefault(job.rig_key, deque()).append(job)
+        self._jobs.setdefault(job.setup_key, deque()).append(job)
 
     def prepare(self, jobs: Iterable[Job]) -> list[Probe]:
         """Compile what these jobs need, in a worker that is thrown away if it had to; what their first steps cost."""
@@ -206,7 +206,7 @@ class LocalPool:
         return Worker(f"local-{self._started}")
 
     def _next(self, worker: Worker) -> Job:
-        """A point whose rig the worker has open, else one of a rig nobody has, else the oldest."""
+        """A point whose setup the worker has open, else one of a setup nobody has, else the oldest."""
         held = {key for w in self._workers for key in w.keys}
         key = next((k for k in worker.keys if k in self._jobs), None)
         key = key or next((k for k in self._jobs if k not in held), None) or next(iter(self._jobs))
@@ -230,7 +230,7 @@ class LocalPool:
             if job.id not in self._afresh:
                 self._afresh.add(job.id)
                 self._retire(worker)
-                self._jobs.setdefault(job.rig_key, deque()).appendleft(job)
+                self._jobs.setdefault(job.setup_key, deque()).appendleft(job)
                 return
             self._always = True
             events.notes.append("the FMUs compile kernels in every process: results may differ in the last bits between workers")

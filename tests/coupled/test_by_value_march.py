@@ -18,7 +18,7 @@ from aeroslosh.master.case import atmosphere
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.results import by_value, summary
 from aeroslosh.master.ssp import system as ssp_system
 from support import sections, theory
@@ -56,8 +56,8 @@ def dimensionless(mach: float) -> Case:
 def test_both_forms_march_alike(flutter_fmus: Path, tmp_path: Path) -> None:
     fmus, found = find_fmus(flutter_fmus), []
     for case in (cases.load(wing(tmp_path), command="point"), dimensionless(0.3)):
-        with FlutterRig(case, fmus, case.flow.mach) as rig:
-            found.append(flutter_march.march(rig, case.flutter.V_f))
+        with FlutterSetup(case, fmus, case.flow.mach) as setup:
+            found.append(flutter_march.march(setup, case.flutter.V_f))
     mine, other = found
     assert mine.history["alpha"].size == other.history["alpha"].size > 500
     for name in ("h", "alpha", "lift", "moment"):
@@ -152,8 +152,8 @@ def test_parameters_of_the_fmus_are_in_the_archive(flutter_fmus: Path, tmp_path:
     fmus = find_fmus(flutter_fmus, "ems")
     parts = {part.name: part.values for part in ssp_system.from_case(case, fmus).parts}
     assert parts["structure"]["initial_alpha"] == 0.01 and parts["slosh"]["limit"] == 0
-    with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter_march.march(rig, case.flutter.V_f)
+    with FlutterSetup(case, fmus, 0.3) as setup:
+        march = flutter_march.march(setup, case.flutter.V_f)
     assert march.history["alpha"][0] == 0.01 and march.release == 0
 
 

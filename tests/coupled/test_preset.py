@@ -13,7 +13,7 @@ from aeroslosh.master.boundary.search import search
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from support import liquid, possio
 from support.paths import CASES
 
@@ -93,8 +93,8 @@ def test_neutral_V_f_marched(plate_fmus: Path, plates: dict[float, Path], mach: 
     settings = case(model)
     settings.flow.airfoil = str(plates[mach])
     settings.flutter.steps_per_cycle = 288
-    with FlutterRig(settings, find_fmus(plate_fmus, model), mach) as rig:
-        point = search(lambda V_f: march.march(rig, V_f), mach, DRY[mach], 0.5, 3.0, 0.003, 12)
+    with FlutterSetup(settings, find_fmus(plate_fmus, model), mach) as setup:
+        point = search(lambda V_f: march.march(setup, V_f), mach, DRY[mach], 0.5, 3.0, 0.003, 12)
     print(f"\nMach {mach}, {model}: V_f {point.outcome}", end="")
     assert point.converged and point.marches[0].slosh == model
     [found] = point.crossings

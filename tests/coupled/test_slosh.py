@@ -18,7 +18,7 @@ from aeroslosh.master.case.scales import scales
 from aeroslosh.master.cosim.implicit import Criteria, Implicit
 from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme
 from aeroslosh.master.flutter import march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.fmi.component import Component
 from aeroslosh.master.linear import model as linear_model
 from support import liquid
@@ -164,8 +164,8 @@ def run(fmus: Path, model: str, **slosh_keys: object) -> march.March:
     case.slosh.model, case.flow.airfoil, case.flow.mach = model, "NACA 0012", 0.3
     if slosh_keys.get("split") == "none":
         case.coupling.scheme, case.coupling.tolerance = "implicit", 1e-8
-    with FlutterRig(case, find_fmus(fmus, model), 0.3) as rig:
-        return march.march(rig, 1.5)
+    with FlutterSetup(case, find_fmus(fmus, model), 0.3) as setup:
+        return march.march(setup, 1.5)
 
 
 def test_split_and_whole_load_march_alike(flutter_fmus: Path) -> None:
@@ -182,9 +182,9 @@ def test_split_and_whole_load_march_alike(flutter_fmus: Path) -> None:
     assert [m.slosh for m in (split, frozen, dry)] == ["ems", "frozen", "none"]
 
 
-def test_a_linear_model_foretells_the_loads_of_the_flow(flutter_fmus: Path, fmu: liquid.Fmu, tmp_path: Path) -> None:
-    """Fuel of 0.65 of the section's mass: its whole load, exchanged once a step, explodes; foretold by slosh_ems it is carried in
-    one pass, as the frozen split carries it (measured 3e-5 apart: what one of them extrapolates the other foretells)."""
+def test_a_linear_model_predicts_the_loads_of_the_flow(flutter_fmus: Path, fmu: liquid.Fmu, tmp_path: Path) -> None:
+    """Fuel of 0.65 of the section's mass: its whole load, exchanged once a step, explodes; predicted by slosh_ems it is carried
+    in one pass, as the frozen split carries it (measured 3e-5 apart: what one of them extrapolates the other predicts)."""
     for file in (*flutter_fmus.glob("*.fmu"), fmu("slosh_vof")):
         shutil.copy(file, tmp_path)
     marches = {}
@@ -192,22 +192,22 @@ def test_a_linear_model_foretells_the_loads_of_the_flow(flutter_fmus: Path, fmu:
         words = ["slosh.cells_x=32", "slosh.cells_y=16", "slosh.liquid_density=4000", f"slosh.split={split}", "slosh.model=vof"]
         words += [f"slosh.predictor={predictor}", "flutter.forced_amplitude_deg=0.05", "flutter.free_cycles=3"]
         case = cases.load(CASE, [*words, "flow.mach=0.3", "flow.airfoil=NACA 0012", "flutter.steps_per_cycle=120"])
-        with FlutterRig(case, find_fmus(tmp_path, "vof", "ems"), 0.3) as rig:
-            marches[split, predictor] = march.march(rig, 1.5)
+        with FlutterSetup(case, find_fmus(tmp_path, "vof", "ems"), 0.3) as setup:
+            marches[split, predictor] = march.march(setup, 1.5)
     assert marches["none", "none"].failure is not None
-    foretold, carried = marches["none", "ems"], marches["frozen", "none"]
-    assert foretold.failure is None and carried.fit is not None and foretold.fit is not None
+    predicted, carried = marches["none", "ems"], marches["frozen", "none"]
+    assert predicted.failure is None and carried.fit is not None and predicted.fit is not None
     for name in ("growth_rate", "frequency"):
-        assert getattr(foretold.fit, name) == pytest.approx(getattr(carried.fit, name), abs=1e-4)
-    assert "slosh_predictor" in foretold.cost.cpu
+        assert getattr(predicted.fit, name) == pytest.approx(getattr(carried.fit, name), abs=1e-4)
+    assert "slosh_predictor" in predicted.cost.cpu
 
 
 def test_the_linear_model_carries_the_liquid_frozen(flutter_fmus: Path) -> None:
     case = cases.load(CASE)
     case.flow.airfoil = "NACA 0012"
-    with FlutterRig(case, find_fmus(flutter_fmus, "ems"), 0.3) as rig:
-        model = linear_model.identify(rig, 1.0)
-        fit = march.march(rig, 1.5).fit
+    with FlutterSetup(case, find_fmus(flutter_fmus, "ems"), 0.3) as setup:
+        model = linear_model.identify(setup, 1.0)
+        fit = march.march(setup, 1.5).fit
     assert model.liquid is not None and model.liquid.mass == pytest.approx(30.0) and fit is not None
     assert np.min(np.abs(model.eigenvalues(1.5) - complex(fit.growth_rate, fit.frequency))) < 2e-3
 

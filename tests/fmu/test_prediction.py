@@ -1,4 +1,4 @@
-"""Every FMU foretells its inputs where it is asked to: the same numbers as an instance that is told them."""
+"""Every FMU predicts its inputs where it is asked to: the same numbers as an instance that is told them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CASES: dict[str, tuple[str, dict[str, Any], list[str]]] = {
 
 
 @pytest.mark.parametrize("component", CASES)
-def test_foretold_inputs_are_those_of_the_line_through_the_last_two(
+def test_predicted_inputs_are_those_of_the_line_through_the_last_two(
     fmu: Callable[[str], Path], host: Callable[..., Any], tmp_path: Path, component: str
 ) -> None:
     switch, values, names = CASES[component]

@@ -22,7 +22,7 @@ from aeroslosh.master.base.errors import AeroSloshError, ExitCode
 from aeroslosh.master.case.scales import scales
 from aeroslosh.master.cosim.assemble import PREDICTIONS
 from aeroslosh.master.cosim.coupling_settings import Coupling
-from aeroslosh.master.flutter.setup import FlutterRig
+from aeroslosh.master.flutter.setup import FlutterSetup
 from aeroslosh.master.fmi.component import Component
 from aeroslosh.master.ssp import archive as ssp_archive
 from aeroslosh.master.ssp import system as ssp_system
@@ -103,15 +103,15 @@ def test_values_are_all_that_the_master_sets(coupled: Coupled, fmu: Fmu) -> None
     """A fresh FMU with the archive's values has every parameter that the master's own has, but for the prediction of inputs."""
     case = small("ems")
     content = unpacked(ssp_archive.archive(coupled))
-    with FlutterRig(case, files(fmu, case), 0.8) as rig:
-        rig.start(0.7)
+    with FlutterSetup(case, files(fmu, case), 0.8) as setup:
+        setup.start(0.7)
         for part in coupled.parts:
             fresh = Component(part.path, part.name)
             for name, (kind, text, _) in values(content, part.name).items():
                 fresh.set(name, {"Real": float, "Integer": int, "Boolean": "true".__eq__, "String": str}[kind](text))
             for variable in part.variables.values():
                 if variable.causality == "parameter" and variable.name not in PREDICTIONS:
-                    assert fresh.get(variable.name) == rig.system[part.name].get(variable.name), variable.name
+                    assert fresh.get(variable.name) == setup.system[part.name].get(variable.name), variable.name
             fresh.close()
 
 

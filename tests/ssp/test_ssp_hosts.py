@@ -14,7 +14,7 @@ import pytest
 
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.cosim import system_file as assemblies
-from aeroslosh.master.flutter.setup import FlutterRig
+from aeroslosh.master.flutter.setup import FlutterSetup
 from aeroslosh.master.ssp import archive as ssp_archive
 from aeroslosh.master.ssp import system as ssp_system
 from aeroslosh.master.ssp.system import Coupled
@@ -91,15 +91,15 @@ def exported(case: Case, fmu: Fmu, folder: Path, sizes: Sizes = even) -> Exporte
     coupled = ssp_system.from_case(case, fmus)
     ssp_archive.write(coupled, folder / "case.ssp")
     signals = MOTION + LOADS + (SLOSH if case.slosh.model != "none" else ())
-    with FlutterRig(case, fmus, case.flow.mach) as rig:
-        rig.start(case.flutter.V_f)
-        march = marched(rig.system, sizes(coupled, STEPS), signals, case.coupling.predictor_order)
+    with FlutterSetup(case, fmus, case.flow.mach) as setup:
+        setup.start(case.flutter.V_f)
+        march = marched(setup.system, sizes(coupled, STEPS), signals, case.coupling.predictor_order)
     return Exported(folder / "case.ssp", coupled, signals, march)
 
 
 @pytest.fixture(scope="module", params=[("none", 1), ("ems", 0), ("ems", 1), ("rbf", 1), ("vof", 0), ("vof", 1)], ids=str)
 def flutter(request: pytest.FixtureRequest, fmu: Fmu, tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    """Section, flow and liquid: forced pitch, released after 65 of 130 steps. Order 1: the FMUs foretell."""
+    """Section, flow and liquid: forced pitch, released after 65 of 130 steps. Order 1: the FMUs predict."""
     model, order = request.param
     return exported(small(model, f"coupling.predictor_order={order}"), fmu, tmp_path_factory.mktemp("ssp"))
 

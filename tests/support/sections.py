@@ -11,7 +11,7 @@ from aeroslosh.master.analysis.crossings import Crossing
 from aeroslosh.master.boundary import solve
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig
+from aeroslosh.master.flutter.setup import FlutterSetup
 from aeroslosh.master.linear.model import BAND as BAND_K
 
 from . import theory
@@ -86,8 +86,8 @@ def point(fmus: dict[str, Path], seed: int) -> Point:
     more than the step's own error, or calls a divergence flutter while no oscillation grows (or the other way round)."""
     case = draw(seed)
     V_f, mach = case.flutter.V_f, case.flow.mach
-    with FlutterRig(case, fmus, mach) as rig:
-        march = flutter_march.march(rig, V_f)
+    with FlutterSetup(case, fmus, mach) as setup:
+        march = flutter_march.march(setup, V_f)
     exact, oscillations = theory.spectrum(case, mach, V_f), theory.eigenvalues(case, mach, V_f)
     real = exact[np.abs(exact.imag) <= 1e-6].real
     static, dynamic = float(np.max(real, initial=-1.0)), float(np.max(oscillations.real, initial=-1.0))

@@ -47,7 +47,7 @@ def test_marches_alone_need_no_prior_knowledge(aeroslosh: Run, mach: str, V_f: f
 
 
 @pytest.mark.parametrize("mach", ["0.7", "0.85"])
-def test_three_marches_confirm_a_foretold_crossing(aeroslosh: Run, mach: str) -> None:
+def test_three_marches_confirm_a_predicted_crossing(aeroslosh: Run, mach: str) -> None:
     [point] = aeroslosh("boundary", "--mach", mach, "--method", "both")["points"]
     print(f"\nMach {mach}: {point['outcome']}", end="")
     assert point["converged"] and point["cost"]["marches"] <= 3 * len(point["crossings"])

@@ -7,6 +7,7 @@ Theodorsen's, NACA Report 496); it gives V_f 2.281 at Mach 0.3 and 2.080 at Mach
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np

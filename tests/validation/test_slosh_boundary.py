@@ -34,7 +34,7 @@ def curve(fmu: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) 
 
 
 def test_fuel_shifts_the_boundary_by_its_mass_and_hardly_by_its_sloshing(curve: Callable[[str], list[dict[str, Any]]]) -> None:
-    """Marched, and as foretold with the frozen liquid in the linear model."""
+    """Marched, and as predicted with the frozen liquid in the linear model."""
     curves = {model: curve(model) for model in ("none", "frozen", "ems")}
     for dry, frozen, ems in zip(*curves.values(), strict=True):
         values = [p["V_f"] for p in (dry, frozen, ems)]

@@ -25,7 +25,7 @@ SHORT = (
 @pytest.mark.parametrize(
     "swept",
     [["flutter.V_f=0.3:0.9:1000"], ["flow.mach=0.4:0.7:500", "flutter.V_f=0.5,0.6"]],
-    ids=["one rig", "500 rigs"],
+    ids=["one setup", "500 setups"],
 )
 def test_memory_is_flat_over_a_thousand_points(fmu: Callable[[str], Path], tmp_path: Path, swept: list[str]) -> None:
     """Resident memory after 100 and after 1,000 points, real FMUs with slosh: within 5 %."""

@@ -135,8 +135,8 @@ def test_a_flat_hill_takes_more_marches_but_is_not_misread(mach: str) -> None:
 
 
 @pytest.mark.parametrize("mach", [*ONE_CROSSING, "0.86", "0.875", "0.89", "0.9"])
-def test_three_marches_when_a_linear_model_foretold_the_crossing(mach: str) -> None:
-    """First onset foretold to within a percent (it is to within 0.9, docs/boundary.md), its slope to within a quarter."""
+def test_three_marches_when_a_linear_model_predicted_the_crossing(mach: str) -> None:
+    """First onset predicted to within a percent (it is to within 0.9, docs/boundary.md), its slope to within a quarter."""
     c = curve("isogai_a_none", mach)
     first = float(c.roots()[0])
     slope = float(c.damping.derivative()(math.log(first)))

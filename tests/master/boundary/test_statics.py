@@ -15,7 +15,7 @@ from aeroslosh.master.boundary import solve
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import apparent_mass, span
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.results import summary
 from support import sections, theory
 
@@ -29,16 +29,16 @@ def fmus(flutter_fmus: Path) -> dict[str, Path]:
 
 def test_steady_slopes_and_divergence_are_the_thin_airfoil_s(fmus: dict[str, Path]) -> None:
     case = sections.named(*DIVERGING)
-    with FlutterRig(case, fmus, 0.3) as rig:
-        slopes = rig.slopes()
+    with FlutterSetup(case, fmus, 0.3) as setup:
+        slopes = setup.slopes()
         assert slopes is not None
         assert pytest.approx(2.0 * np.pi, rel=1e-9) == slopes.C_L
         assert pytest.approx(0.3 * np.pi, rel=1e-9) == slopes.C_M  # pi (a + 1/2), a = -0.2
-        assert rig.divergence() == pytest.approx(theory.divergence(case), rel=1e-9) == pytest.approx(0.6455, rel=1e-4)
-        assert rig.stiffness(rig.divergence()) == pytest.approx(0.0, abs=1e-9)
+        assert setup.divergence() == pytest.approx(theory.divergence(case), rel=1e-9) == pytest.approx(0.6455, rel=1e-4)
+        assert setup.stiffness(setup.divergence()) == pytest.approx(0.0, abs=1e-9)
     case.section.elastic_axis = 0.2
-    with FlutterRig(case, fmus, 0.3) as rig:
-        assert rig.divergence() == np.inf and rig.stiffness(3.0) > 1.0
+    with FlutterSetup(case, fmus, 0.3) as setup:
+        assert setup.divergence() == np.inf and setup.stiffness(3.0) > 1.0
 
 
 def test_liquid_at_rest_takes_or_gives_stiffness(fmus: dict[str, Path]) -> None:
@@ -49,8 +49,8 @@ def test_liquid_at_rest_takes_or_gives_stiffness(fmus: dict[str, Path]) -> None:
     found = []
     for model in ("none", "frozen", "ems"):
         s.model = model
-        with FlutterRig(case, fmus, 0.3) as rig:
-            found.append(rig.divergence())
+        with FlutterSetup(case, fmus, 0.3) as setup:
+            found.append(setup.divergence())
     dry, frozen, level = found
     assert abs(frozen / dry - 1.0) < 0.01 and level < frozen
     q = 0.5 * 101325.0 / (287.05 * 288.15) * (0.3 * np.sqrt(1.4 * 287.05 * 288.15)) ** 2
@@ -63,8 +63,8 @@ def test_liquid_at_rest_takes_or_gives_stiffness(fmus: dict[str, Path]) -> None:
 def test_point_about_divergence(fmus: dict[str, Path], factor: float, verdict: Verdict) -> None:
     case = sections.named(*DIVERGING)
     V_f = factor * theory.divergence(case)
-    with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter_march.march(rig, V_f)
+    with FlutterSetup(case, fmus, 0.3) as setup:
+        march = flutter_march.march(setup, V_f)
     assert march.verdict is verdict, march.reason
     data = summary.march_data(march)
     if verdict is Verdict.DIVERGENCE:
@@ -112,10 +112,10 @@ def test_a_march_goes_on_until_its_verdict_is_settled_and_no_further(fmus: dict[
     """A slow plunge mode: five periods of pitch show half a period of it."""
     case = sections.named(0.35, 0.1, 0.4, 0.1, 60.0)
     case.flutter.free_cycles = 3.0
-    with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter_march.march(rig, 0.3)
+    with FlutterSetup(case, fmus, 0.3) as setup:
+        march = flutter_march.march(setup, 0.3)
         case.flutter.max_free_cycles = 4.0
-        short = flutter_march.march(rig, 0.3)
+        short = flutter_march.march(setup, 0.3)
     cycles = (march.tau.size - 1 - march.release) / march.scales.steps_per_cycle
     assert 1.25 / span.slower_frequency(case) <= cycles <= 40.0 and march.settled
     assert march.verdict is Verdict.DAMPED
@@ -126,14 +126,14 @@ def test_a_march_goes_on_until_its_verdict_is_settled_and_no_further(fmus: dict[
 def test_apparent_mass_couples_implicitly_unless_the_case_chooses(fmus: dict[str, Path]) -> None:
     case = sections.named(0.32, -0.19, 0.11, 1.79, 5.0)
     assert apparent_mass.ratio(case, 0.3) > apparent_mass.STABLE
-    with FlutterRig(case, fmus, 0.3) as rig:
-        march = flutter_march.march(rig, 0.15)
+    with FlutterSetup(case, fmus, 0.3) as setup:
+        march = flutter_march.march(setup, 0.15)
     assert march.verdict is Verdict.DAMPED and "coupled implicitly" in march.note
     exact = theory.eigenvalues(case, 0.3, 0.15)[0]
     assert march.fit is not None and march.fit.growth_rate == pytest.approx(exact.real, abs=2e-3)
     case.given.add("coupling.scheme")
-    with FlutterRig(case, fmus, 0.3) as rig, pytest.raises(AeroSloshError, match="diverges"):
-        flutter_march.march(rig, 0.15)
+    with FlutterSetup(case, fmus, 0.3) as setup, pytest.raises(AeroSloshError, match="diverges"):
+        flutter_march.march(setup, 0.15)
 
 
 def test_ordinary_sections_keep_their_scheme() -> None:

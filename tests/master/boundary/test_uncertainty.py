@@ -16,7 +16,7 @@ from aeroslosh.master.boundary.strategy import Confirm
 from aeroslosh.master.boundary.uncertainty import Spread
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.results import summary as results_summary
 from support import theory
 
@@ -40,9 +40,9 @@ def searched(flutter_fmus: Path) -> Callable[..., BoundaryPoint]:
 def search_of(fmus: Path, case: Case) -> BoundaryPoint:
     """The point at MACH."""
     found = find_fmus(fmus)
-    with FlutterRig(case, found, MACH) as rig:
-        strategy = Confirm(case, lambda mach: rig, lambda of, mach: FlutterRig(of, found, mach), print, marching=True)
-        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.0, None)
+    with FlutterSetup(case, found, MACH) as setup:
+        strategy = Confirm(case, lambda mach: setup, lambda of, mach: FlutterSetup(of, found, mach), print, marching=True)
+        return strategy(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.0, None)
 
 
 def test_the_step_s_part_is_the_step_s_error(searched: Callable[..., BoundaryPoint]) -> None:
@@ -86,9 +86,9 @@ def test_a_growth_rate_that_does_not_change_tells_no_part(flutter_fmus: Path, sl
     """Newton's step would divide by it."""
     said: list[str] = []
     crossing = Crossing(2.3, 2.5, "onset", slope, True, {"fit": 1e-3}, met=True)
-    with FlutterRig(case_of(100), find_fmus(flutter_fmus), MACH) as rig:
-        spread = Spread(case_of(100), MACH, rig, lambda of, mach: rig, sample, said.append)
-        wide = spread.widened(crossing, [flutter_march.march(rig, 2.3)])
+    with FlutterSetup(case_of(100), find_fmus(flutter_fmus), MACH) as setup:
+        spread = Spread(case_of(100), MACH, setup, lambda of, mach: setup, sample, said.append)
+        wide = spread.widened(crossing, [flutter_march.march(setup, 2.3)])
         alone = spread.widened(crossing, [])
     assert wide.missing == alone.missing == ("step", "amplitude", "mesh") and wide.parts == {"fit": 1e-3}
     assert not spread.marches and "hardly changes with V_f" in said[0]
@@ -98,13 +98,13 @@ def test_a_part_that_cannot_be_had_is_named(flutter_fmus: Path) -> None:
     """The coarser mesh has no steady flow: the bar goes without that part and says so."""
     case, found = case_of(100), find_fmus(flutter_fmus)
 
-    def no_rig(of: Case, mach: float) -> FlutterRig:
+    def no_rig(of: Case, mach: float) -> FlutterSetup:
         raise AeroSloshError("The steady flow did not converge")
 
-    with FlutterRig(case, found, MACH) as rig:
-        point = search(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.3, 1.0, 3.0, 0.005, 6)
+    with FlutterSetup(case, found, MACH) as setup:
+        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.3, 1.0, 3.0, 0.005, 6)
         said: list[str] = []
         [crossing] = point.crossings
-        wide = Spread(case, MACH, rig, no_rig, sample, said.append).widened(crossing, point.marches)
+        wide = Spread(case, MACH, setup, no_rig, sample, said.append).widened(crossing, point.marches)
     assert wide.missing == ("mesh",) and "mesh" not in wide.parts and wide.uncertainty > crossing.uncertainty
     assert any("did not converge" in text for text in said)

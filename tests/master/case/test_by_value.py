@@ -165,10 +165,10 @@ def test_a_case_in_code_by_value() -> None:
     case = cases.changed(Case(), {"section.mass": 100.0, "section.pitch_frequency": 20.0, "flow.altitude": 5000.0}, "here")
     s = scales(case, case.flow.mach, case.flutter.V_f)
     assert s.mass == pytest.approx(100.0, rel=1e-13) and s.omega_alpha == pytest.approx(40.0 * math.pi, rel=1e-13)
-    checks.complete(case, "rig", "")
+    checks.complete(case, "setup", "")
     case.section.mass = 50.0  # past the conversion
     with pytest.raises(AeroSloshError, match=r"changed after they had been converted"):
-        checks.complete(case, "rig", "")
+        checks.complete(case, "setup", "")
 
 
 @pytest.mark.parametrize("name", ["by value", *FORMS])

@@ -357,7 +357,7 @@ def test_a_checkpoint_while_fields_are_written(point: Call, tmp_path: Path) -> N
 def test_a_flutter_checkpoint_is_checked_before_the_steady_flow(
     point: Call, flutter_fmus: Path, doubles: Path, springs: Path, tmp_path: Path
 ) -> None:
-    """UNSTEADY ends the rig in its steady solution: an error that comes before it names the checkpoint instead."""
+    """UNSTEADY ends the setup in its steady solution: an error that comes before it names the checkpoint instead."""
     file = str(tmp_path / "march.npz")
     point("first", *BARE, *sets("flutter.free_cycles=1.5"), "--checkpoint", file, "--every", "100")
     late = sets("flow.airfoil=UNSTEADY", "flutter.free_cycles=1.5")
@@ -385,7 +385,7 @@ def test_a_flutter_checkpoint_is_checked_before_the_steady_flow(
 def test_the_predicted_vof_march_goes_on_to_the_bit(
     fmu: Callable[[str], Path], flutter_fmus: Path, point: Call, tmp_path: Path
 ) -> None:
-    """slosh_vof foretold by slosh_ems: five FMUs, the prediction's own memory among what is restored."""
+    """slosh_vof predicted by slosh_ems: five FMUs, the prediction's own memory among what is restored."""
     fmus = tmp_path / "fmus"
     fmus.mkdir()
     for path in (*flutter_fmus.glob("*.fmu"), fmu("slosh_vof")):
@@ -403,7 +403,7 @@ def test_the_predicted_vof_march_goes_on_to_the_bit(
         assert_same(tmp_path / "whole", tmp_path / "again")
 
 
-# substeps in the flutter rig, and messages
+# substeps in the flutter setup, and messages
 
 
 def test_substeps_of_the_slosh_fmu(point: Call, tmp_path: Path) -> None:

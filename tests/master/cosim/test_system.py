@@ -14,7 +14,7 @@ from aeroslosh.master.base.errors import AeroSloshError, ComponentError
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.cosim.system import System, wires
 from aeroslosh.master.flutter import setup
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.fmi import unpack
 from aeroslosh.master.fmi.component import Component
 from support.processes import supported
@@ -162,7 +162,7 @@ def test_a_rig_that_cannot_be_assembled_leaves_no_instance(
 
     monkeypatch.setattr(Component, "_instantiate", counted)
     with pytest.raises(AeroSloshError):
-        FlutterRig(case, fmus, 0.3)
+        FlutterSetup(case, fmus, 0.3)
     assert len(made) == 3 and {component.state for component in made} == {"freed"}
 
 

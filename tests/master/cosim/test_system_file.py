@@ -126,7 +126,7 @@ def test_overrides(call: Callable[..., int], tmp_path: Path) -> None:
 
 
 def test_a_model_that_predicts_another(call: Callable[..., int], tmp_path: Path) -> None:
-    """A twin that foretells the link takes away its lag: one pass then gives what iterations give.
+    """A twin that predicts the link takes away its lag: one pass then gives what iterations give.
 
     1e-7: the prediction's own tolerance, of forces of about 1 N on 1 kg for 1 s."""
     twin = '\n[components.twin]\nfmu = "link.fmu"\npredicts = "link"\nparameters = { stiffness = 2.0, damping = 0.1 }\n'

@@ -12,7 +12,7 @@ from aeroslosh.master.base.errors import AeroSloshError
 from aeroslosh.master.boundary.search import boundary, search
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from support import theory
 
 MACH = 0.3
@@ -39,10 +39,10 @@ def test_growth_rate_and_frequency_are_the_eigenvalue(fmus: dict[str, Path], V_f
     case = make_case()
     expected = theory.eigenvalues(case, MACH, V_f)[0]
     found = []
-    with FlutterRig(case, fmus, MACH) as rig:
+    with FlutterSetup(case, fmus, MACH) as setup:
         for steps in (200, 400):
             case.flutter.steps_per_cycle = steps
-            march = flutter_march.march(rig, V_f)
+            march = flutter_march.march(setup, V_f)
             assert march.fit is not None
             assert march.verdict is verdict, march.reason
             found.append(complex(march.fit.growth_rate, march.fit.frequency))
@@ -54,8 +54,8 @@ def test_growth_rate_and_frequency_are_the_eigenvalue(fmus: dict[str, Path], V_f
 def test_default_step_is_accurate_enough(fmus: dict[str, Path], scheme: str, limit: float) -> None:
     case = make_case(coupling__scheme=scheme)
     expected = theory.eigenvalues(case, MACH, 0.6)[0]
-    with FlutterRig(case, fmus, MACH) as rig:
-        fit = flutter_march.march(rig, 0.6).fit
+    with FlutterSetup(case, fmus, MACH) as setup:
+        fit = flutter_march.march(setup, 0.6).fit
     assert fit is not None
     assert abs(complex(fit.growth_rate, fit.frequency) - expected) < limit
 
@@ -64,10 +64,10 @@ def test_gauss_seidel_growth_rate_is_second_order(fmus: dict[str, Path]) -> None
     case = make_case(coupling__scheme="gauss-seidel")
     expected = theory.eigenvalues(case, MACH, 0.6)[0]
     errors = []
-    with FlutterRig(case, fmus, MACH) as rig:
+    with FlutterSetup(case, fmus, MACH) as setup:
         for steps in (48, 96, 192):
             case.flutter.steps_per_cycle = steps
-            fit = flutter_march.march(rig, 0.6).fit
+            fit = flutter_march.march(setup, 0.6).fit
             assert fit is not None
             errors.append(abs(complex(fit.growth_rate, fit.frequency) - expected))
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.3)
@@ -76,8 +76,8 @@ def test_gauss_seidel_growth_rate_is_second_order(fmus: dict[str, Path]) -> None
 
 def test_marches_repeat_to_the_last_bit_after_a_rewind(fmus: dict[str, Path]) -> None:
     case = make_case(coupling__scheme="gauss-seidel")
-    with FlutterRig(case, fmus, MACH) as rig:
-        first, other, again = (flutter_march.march(rig, V_f) for V_f in (0.6, 1.5, 0.6))
+    with FlutterSetup(case, fmus, MACH) as setup:
+        first, other, again = (flutter_march.march(setup, V_f) for V_f in (0.6, 1.5, 0.6))
     assert (first.history["alpha"] == again.history["alpha"]).all()
     assert (first.history["lift"] == again.history["lift"]).all()
     assert other.history["alpha"].size != first.history["alpha"].size
@@ -88,8 +88,8 @@ def test_steady_load_at_incidence_is_trimmed_out(fmus: dict[str, Path]) -> None:
     marches = []
     for degrees in (0.0, 2.0):
         case = make_case(flow__mean_alpha_deg=degrees, coupling__scheme="gauss-seidel")
-        with FlutterRig(case, fmus, MACH) as rig:
-            marches.append(flutter_march.march(rig, 0.6))
+        with FlutterSetup(case, fmus, MACH) as setup:
+            marches.append(flutter_march.march(setup, 0.6))
     level, raised = (m.history for m in marches)
     assert np.max(np.abs(level["alpha"] - raised["alpha"])) < 1e-9
     assert raised["C_L"][0] == pytest.approx(2.0 * np.pi * np.radians(2.0), rel=1e-9)
@@ -97,8 +97,8 @@ def test_steady_load_at_incidence_is_trimmed_out(fmus: dict[str, Path]) -> None:
 
 def test_free_start_by_an_initial_rate(fmus: dict[str, Path]) -> None:
     case = make_case(flutter__forced_cycles=0.0, flutter__initial_alpha_dot=0.01, flutter__steps_per_cycle=200)
-    with FlutterRig(case, fmus, MACH) as rig:
-        march = flutter_march.march(rig, 0.6)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 0.6)
     assert march.release == 0
     assert march.history["alpha_dot"][0] == pytest.approx(0.01 * march.scales.omega_alpha)
     assert march.fit is not None
@@ -109,8 +109,8 @@ def test_neutral_V_f_is_the_eigenvalue_s(fmus: dict[str, Path]) -> None:
     case = make_case(flutter__steps_per_cycle=300)
     expected = theory.neutral(case, MACH, 1.5, 3.0)
     assert expected == pytest.approx(2.373, rel=0.01)  # Theodorsen's function; ours is Jones's approximation of it
-    with FlutterRig(case, fmus, MACH) as rig:
-        point = search(lambda V_f: flutter_march.march(rig, V_f), MACH, 2.2, 0.5, 3.0, 0.005, 12)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.2, 0.5, 3.0, 0.005, 12)
     assert point.converged and len(point.crossings) == 1
     found = point.crossings[0]
     assert found.V_f == pytest.approx(expected, rel=1e-3)
@@ -120,12 +120,12 @@ def test_neutral_V_f_is_the_eigenvalue_s(fmus: dict[str, Path]) -> None:
 
 
 def test_boundary_hands_the_guess_on(fmus: dict[str, Path]) -> None:
-    """The second Mach number starts at the first one's result and needs fewer marches; a closed rig is no harm."""
+    """The second Mach number starts at the first one's result and needs fewer marches; a closed setup is no harm."""
     case = make_case(coupling__scheme="gauss-seidel")
 
     def marcher_at(mach: float) -> tuple[object, object]:
-        rig = FlutterRig(case, fmus, mach)
-        return (lambda V_f: flutter_march.march(rig, V_f)), rig.close
+        setup = FlutterSetup(case, fmus, mach)
+        return (lambda V_f: flutter_march.march(setup, V_f)), setup.close
 
     points = boundary(marcher_at, [0.3, 0.32], 2.0, (0.5, 3.0), 0.005, 12)  # type: ignore[arg-type]
     assert [p.converged for p in points] == [True, True]
@@ -135,16 +135,16 @@ def test_boundary_hands_the_guess_on(fmus: dict[str, Path]) -> None:
 
 def test_no_crossing_in_range_is_an_outcome(fmus: dict[str, Path]) -> None:
     case = make_case(coupling__scheme="gauss-seidel")
-    with FlutterRig(case, fmus, MACH) as rig:
-        point = search(lambda V_f: flutter_march.march(rig, V_f), MACH, 0.6, 0.5, 0.8, 0.005, 12)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 0.6, 0.5, 0.8, 0.005, 12)
     assert not point.converged and not point.crossings
     assert point.outcome.startswith("no crossing in range: damped")
 
 
 def test_a_failure_mid_march_keeps_the_history(fmus: dict[str, Path]) -> None:
     case = make_case(flow__airfoil="FAIL 60", coupling__scheme="gauss-seidel")
-    with FlutterRig(case, fmus, MACH) as rig:
-        march = flutter_march.march(rig, 0.6)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 0.6)
     assert march.failure is not None and "told to fail" in march.failure.what
     assert march.verdict is Verdict.UNDETERMINED
     assert march.tau.size == 60 and np.isfinite(march.history["alpha"]).all()
@@ -152,16 +152,16 @@ def test_a_failure_mid_march_keeps_the_history(fmus: dict[str, Path]) -> None:
 
 def test_a_late_failure_still_gives_the_growth_rate(fmus: dict[str, Path]) -> None:
     case = make_case(flow__airfoil="FAIL 300", coupling__scheme="gauss-seidel")
-    with FlutterRig(case, fmus, MACH) as rig:
-        march = flutter_march.march(rig, 0.6)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 0.6)
     assert march.failure is not None
     assert march.fit is not None and march.verdict is Verdict.DAMPED
 
 
 def test_not_a_number_is_an_outcome(fmus: dict[str, Path]) -> None:
     case = make_case(flow__airfoil="NAN 60", coupling__scheme="gauss-seidel")
-    with FlutterRig(case, fmus, MACH) as rig:
-        march = flutter_march.march(rig, 0.6)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 0.6)
     assert "aero.lift is not a finite number at step 60" in march.stopped and "smaller step" in march.remedy
     assert march.verdict is Verdict.UNDETERMINED
     assert np.isfinite(march.history["alpha"]).all()
@@ -170,22 +170,22 @@ def test_not_a_number_is_an_outcome(fmus: dict[str, Path]) -> None:
 def test_amplitude_limit_gives_a_limit_cycle(fmus: dict[str, Path]) -> None:
     """A cubic restoring moment limits growth at V_f 2.6."""
     case = make_case(flow__airfoil="CUBIC 40", flutter__free_cycles=8.0, coupling__predictor_order=2)
-    with FlutterRig(case, fmus, MACH) as rig:
-        march = flutter_march.march(rig, 2.6)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 2.6)
     assert march.verdict is Verdict.LIMIT_CYCLE, march.reason
 
 
 def test_growth_past_the_largest_angle_stops_and_is_flutter(fmus: dict[str, Path]) -> None:
     case = make_case(flutter__max_alpha_deg=3.0)
-    with FlutterRig(case, fmus, MACH) as rig:
-        march = flutter_march.march(rig, 2.6)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 2.6)
     assert "max_alpha_deg" in march.stopped
     assert march.verdict is Verdict.FLUTTER, march.reason
 
 
 def test_an_unconverged_start_is_refused(fmus: dict[str, Path]) -> None:
     with pytest.raises(AeroSloshError, match="did not converge"):
-        FlutterRig(make_case(flow__airfoil="UNSTEADY"), fmus, MACH)
+        FlutterSetup(make_case(flow__airfoil="UNSTEADY"), fmus, MACH)
 
 
 def test_missing_fmus_name_the_remedy(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from aeroslosh.master.boundary import strategy as boundary_strategy
 from aeroslosh.master.boundary.search import BoundaryPoint
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
-from aeroslosh.master.flutter.setup import FlutterRig, find_fmus
+from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.linear import model as linear_model
 from support import theory
 from support.paths import CASES
@@ -26,11 +26,11 @@ CASE = CASES / "isogai_a.toml"
 
 @pytest.fixture(scope="module")
 def model(flutter_fmus: Path) -> linear_model.LinearModel:
-    with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
-        return linear_model.identify(rig, 1.0)
+    with FlutterSetup(Case(), find_fmus(flutter_fmus), MACH) as setup:
+        return linear_model.identify(setup, 1.0)
 
 
-def test_it_foretells_a_motion_it_was_not_fitted_to(model: linear_model.LinearModel) -> None:
+def test_it_predicts_a_motion_it_was_not_fitted_to(model: linear_model.LinearModel) -> None:
     assert model.fit_error.max() < 5e-4 and model.check_error.max() < 5e-4
     assert model.note == ""
 
@@ -62,10 +62,10 @@ def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: l
 
 
 def test_a_face_without_motion_inputs_is_refused(flutter_fmus: Path) -> None:
-    with FlutterRig(Case(), find_fmus(flutter_fmus), MACH) as rig:
-        del rig.aero.input_index["h_ddot"]
+    with FlutterSetup(Case(), find_fmus(flutter_fmus), MACH) as setup:
+        del setup.aero.input_index["h_ddot"]
         with pytest.raises(AeroSloshError, match="no Real input h_ddot"):
-            linear_model.identify(rig, 1.0)
+            linear_model.identify(setup, 1.0)
 
 
 def run(fmus: Path, out: Path, *arguments: str) -> tuple[int, dict]:
@@ -94,10 +94,10 @@ def test_command_both_with_uncertainty(flutter_fmus: Path, tmp_path: Path, model
     code, data = run(flutter_fmus, tmp_path / "run", "--mach", "0.3", "--method", "both", "--uncertainty", *settings)
     assert code == 0
     [point] = data["points"]
-    [crossing], [foretold] = point["crossings"], point["linear"]["crossings"]
+    [crossing], [predicted] = point["crossings"], point["linear"]["crossings"]
     assert crossing["V_f"] == pytest.approx(theory.neutral(model.case, MACH, 1.5, 3.0), rel=1e-3)
     assert crossing["source"] == "march" and len(point["marches"]) <= 3
-    assert foretold["state"] == "confirmed" and foretold["marched_V_f"] == crossing["V_f"]
+    assert predicted["state"] == "confirmed" and predicted["marched_V_f"] == crossing["V_f"]
     assert set(crossing["uncertainty_parts"]) == {"fit", "interpolation", "step", "amplitude", "mesh"}
     assert abs(crossing["uncertainty_parts"]["amplitude"]) < 1e-3
     assert abs(crossing["uncertainty_parts"]["mesh"]) < 1e-9  # the double has none
@@ -123,9 +123,9 @@ def confirmed(
     case, said = Case(), []
     case.boundary.V_f_range = [0.5, high]
     monkeypatch.setattr(linear_model, "identify", lambda *_: model)
-    with FlutterRig(case, find_fmus(fmus), MACH) as rig:
-        strategy = boundary_strategy.Confirm(case, lambda mach: rig, lambda case, mach: rig, said.append, marching=True)
-        return strategy(lambda V_f: flutter_march.march(rig, V_f), MACH, 1.0, 0.05), said
+    with FlutterSetup(case, find_fmus(fmus), MACH) as setup:
+        strategy = boundary_strategy.Confirm(case, lambda mach: setup, lambda case, mach: setup, said.append, marching=True)
+        return strategy(lambda V_f: flutter_march.march(setup, V_f), MACH, 1.0, 0.05), said
 
 
 def test_a_prediction_that_is_ten_percent_off_is_put_right(
@@ -144,7 +144,7 @@ def test_a_prediction_that_is_ten_percent_off_is_put_right(
 def test_a_prediction_that_marches_contradict_is_recorded(
     flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A model whose aerodynamics are three times too strong foretells an onset far below the true one."""
+    """A model whose aerodynamics are three times too strong predicts an onset far below the true one."""
     strong = replace(
         model, aero=replace(model.aero, residues=3.0 * model.aero.residues, feedthrough=3.0 * model.aero.feedthrough)
     )
@@ -154,7 +154,7 @@ def test_a_prediction_that_marches_contradict_is_recorded(
     assert "not confirmed" in point.outcome and "(sweeps of 1°)" in point.outcome
 
 
-def test_no_crossing_foretold_is_checked_by_marches(
+def test_no_crossing_predicted_is_checked_by_marches(
     flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     point, said = confirmed(flutter_fmus, model, monkeypatch, high=2.0)

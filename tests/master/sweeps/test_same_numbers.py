@@ -40,14 +40,14 @@ REAL = (*SMALL, *GENTLE, "--grid", "slosh.fill_level=0.3,0.6", "--grid", "flutte
 
 @pytest.fixture(scope="module")
 def local(real_fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Six points of real FMUs on one worker: rigs are used again."""
+    """Six points of real FMUs on one worker: setups are used again."""
     out = tmp_path_factory.mktemp("local") / "sweep"
     run(out, real_fmus, *REAL, "--workers", "1", case="paper_s")
     return out
 
 
 def test_a_sweep_computes_what_point_computes_to_the_last_bit(local: Path, real_fmus: Path, tmp_path: Path) -> None:
-    """The last point of the sweep, on a rig that marched two others before, beside `aeroslosh point` alone."""
+    """The last point of the sweep, on a setup that marched two others before, beside `aeroslosh point` alone."""
     label = list(ledger(local))[-1]
     words = ["--vf", "0.8", "--set", "slosh.fill_level=0.6", "--fmus", str(real_fmus), "--out", str(tmp_path / "run"), "--json"]
     done = command("point", CASES / "paper_s.toml", *SMALL, *GENTLE, *words)

@@ -1,4 +1,4 @@
-"""Scenarios of any FMU: failures, states, many instances, versions, foretold inputs, its reference result."""
+"""Scenarios of any FMU: failures, states, many instances, versions, predicted inputs, its reference result."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def bad_start(path: str, values: dict[str, Any]) -> Any:
 
 
 def predicted(path: str, switch: str, values: dict[str, Any], names: list[str], keep: str) -> Any:
-    """One instance that foretells its inputs, one that is told them, one that goes on from the first's bytes."""
+    """One instance that predicts its inputs, one that is told them, one that goes on from the first's bytes."""
     ahead, told = Instance(path, "ahead").start(**values, **{switch: 1}), Instance(path, "told").start(**values)
     outputs = [v.name for v in ahead.variables.values() if v.causality == "output" and v.type == "Real"]
     rows: dict[str, list[Any]] = {"ahead": [], "told": [], "resumed": []}
