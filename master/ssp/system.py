@@ -1,8 +1,8 @@
 """What an SSP archive holds of a coupled system: its FMUs, what the master sets in each before a march, the wires, the times.
 
 Nothing is worked out here. The system is built and initialised by the code that marches it (`FlutterSetup`, `system_file.build`),
-and what that code has set in each FMU (`Component.given`) is what the archive says; the trim loads of a section are those of its own
-steady flow. Inputs get as start values what their wires carry at the start, so that a host which exchanges nothing before the
+and what that code has set in each FMU (`Component.given`) is what the archive says; the trim loads of a section are those of its
+own steady flow. Inputs get as start values what their wires carry at the start, so that a host which exchanges nothing before the
 first step starts from the same state.
 
 SSP tools step Jacobi and extrapolate nothing. Where the master would (coupling.predictor_order above 0), the archive switches on
