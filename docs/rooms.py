@@ -182,7 +182,7 @@ def draw(counted: Counter[tuple[str, str]]) -> None:
         box = FancyBboxPatch(corner, 0.92 * step, high, boxstyle="round,pad=0,rounding_size=0.08")
         box.set(facecolor="white", edgecolor=ink, linewidth=1.4, zorder=4)
         axis.add_patch(box)
-        axis.text(step * row, row + 0.08, name, ha="center", va="center", fontsize=9, weight="bold", color=ink, zorder=5)
+        axis.text(step * row, row + 0.08, name, ha="center", va="center", fontsize=8, weight="bold", color=ink, zorder=5)
         size = f"{modules_in[name]} modules" if name != "cli" else "1 module"
         axis.text(step * row, row - 0.19, size, ha="center", va="center", fontsize=7, color=grey, zorder=5)
         axis.text(step * (row + 0.55), row - 0.2, WHAT[name], ha="left", va="center", fontsize=8.5, color=grey, zorder=5)

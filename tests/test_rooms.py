@@ -167,8 +167,8 @@ def test_the_picture_is_of_this_code() -> None:
     assert rooms.DATA.read_text(encoding="utf-8") == rooms.table(rooms.edges(FOUND)), "run python docs/rooms.py"
 
 
-def test_pages_and_comments_name_tests_that_exist() -> None:
-    word = re.compile(r"\btests/[\w/]+\.(?:py|csv|c)\b")
+def test_pages_and_comments_name_modules_and_tests_that_exist() -> None:
+    word = re.compile(r"\b(?:tests|master|fmus|paper|benchmarks)/[\w/]+\.(?:py|csv|c)\b")
     told = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
     for folder in ("master", "fmus", "paper", "benchmarks", "examples", "tests/support"):
         told += [path for ending in ("py", "md") for path in (ROOT / folder).rglob(f"*.{ending}")]

@@ -139,7 +139,7 @@ def boundary(
     """Search every Mach number; each starts from its nearest solved neighbour's result, the first from `guess`.
 
     `marcher_at(mach)` gives the marcher and a function that closes it; `strategy` is what to do at a Mach number instead of
-    `search` (module `confirm` has one with a linear model). A Mach number at which something fails, an FMU or this
+    `search` (module `boundary/strategy` has one with a linear model). A Mach number at which something fails, an FMU or this
     program, is a point with that outcome and the marches made; the others go on. So is, before an interrupt goes on, one that has
     marches.
     """

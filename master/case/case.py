@@ -57,7 +57,7 @@ TABLES: dict[str, Any] = {name: hint for name, hint in typing.get_type_hints(Cas
 def load(path: Path, overrides: Sequence[str] = (), command: str = "") -> Case:
     """Read a TOML case and apply `section.key=value` overrides. Raises AeroSloshError (file, line, key, remedy).
 
-    command: "point" or "boundary" refuses a case without the keys that it needs (`case_checks.REQUIRED`); "" only reads: a sweep
+    command: "point" or "boundary" refuses a case without the keys that it needs (`checks.REQUIRED`); "" only reads: a sweep
     may bring them, and whoever marches the case asks then."""
     data, lines = settings.read(path, "case file", "cases/isogai_a.toml")
     case = Case(name=path.stem, source=str(path))

@@ -1,4 +1,4 @@
-"""Reads the histories that runs leave (netCDF-3, written by `record` and `point_file`), for comparisons and exports."""
+"""Reads the histories that runs leave (netCDF-3, written by `history_writer` and `point_file`), for comparisons and exports."""
 
 from __future__ import annotations
 

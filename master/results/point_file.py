@@ -49,7 +49,7 @@ class Record:
 
 
 def pack(record: Record, marches: Sequence[March], about: dict[str, Any]) -> bytes:
-    """The file's content. `about`: provenance (`record.provenance`)."""
+    """The file's content. `about`: provenance (`provenance.provenance`)."""
     buffer = io.BytesIO()
     file = netcdf_file(buffer, "w")
     for number, march in enumerate(marches, start=1):

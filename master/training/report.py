@@ -46,7 +46,7 @@ Records cost {result["records_cpu_s"]:.0f} s CPU, training {result["training_cpu
 ## Records not seen in training, surface whole (D up to 1)
 
 Free run. Errors: rms of the difference over the load's std (at least 0.2 % of the weight); work: of eta
-(fmus/slosh_rbf/measures.py).
+(fmus/slosh_rbf/training/measures.py).
 
 D up to 0.75:
 
