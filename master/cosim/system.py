@@ -43,7 +43,7 @@ class System:
     """Components stepped in the order given, and their wires.
 
     paces       component → how it goes through a step (module `cosim/substeps`); others step once
-    surrogates  component → a cheaper model with the same inputs and outputs that predicts its answer (module `cosim/model_predictor`)
+    surrogates  component → a cheaper model with the same inputs and outputs that predicts its answer (`model_predictor`)
     values   all Real outputs of all components, one after the other. Shape: (n_outputs,)
     lagged   positions in `wires` whose source is stepped after (or is) the target: the schemes must predict these
     loops    each algebraic loop found, as the names along it (direct feed-through by the model descriptions)

@@ -1,7 +1,7 @@
 """A linear model of one Mach number from small motions of its aero FMU, and every neutral V_f that follows from it.
 
 Two sweeps in frequency, one of the plunge rate and one of pitch, are answered by the FMU and fitted by a rational model
-(module `linear/rational_fit`); a third motion, another sweep in both at once, tells how well the model predicts what it was not fitted
+(module `rational_fit`); a third motion, another sweep in both at once, tells how well the model predicts what it was not fitted
 to. A sweep of finite amplitude gives the best linear model at that amplitude: where a shock makes the loads depend on it, sweep
 as far as the marches swing (Pintelon and Schoukens, System Identification, 2nd ed., 2012, doi 10.1002/9781118287422). In fixed
 air V_f changes the structure alone (module `case/scales`), so one model serves every V_f: the aeroelastic eigenvalues follow
