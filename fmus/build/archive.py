@@ -33,8 +33,8 @@ from xml.etree import ElementTree
 
 import pythonfmu
 
-from . import page
 from ..kit import sources
+from . import page
 
 ROOT = Path(__file__).resolve().parents[1]  # fmus/
 PYTHONFMU = Path(inspect.getfile(pythonfmu)).parent

@@ -52,7 +52,9 @@ def current(folder: Path) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Rewrite the generated parts of the READMEs; `--check` only tells. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m aeroslosh.fmus.build.readme", description="Bring the READMEs of the FMUs up to date.")
+    parser = argparse.ArgumentParser(
+        prog="python -m aeroslosh.fmus.build.readme", description="Bring the READMEs of the FMUs up to date."
+    )
     parser.add_argument("component", nargs="*", help="names of folders in fmus/; default: all")
     parser.add_argument("--check", action="store_true", help="change nothing, exit with 1 where a README is out of date")
     options = parser.parse_args(arguments)

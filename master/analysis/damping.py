@@ -1,6 +1,7 @@
 """Growth rates and frequencies of a free response, with uncertainties.
 
-Plunge and pitch are fitted together by exponentials with shared poles (module `exponentials`): oscillations, and real poles of any sign.
+Plunge and pitch are fitted together by exponentials with shared poles (module `exponentials`): oscillations and real poles of any
+sign.
 1. How many of each, and whether a constant goes with them, is what an information criterion prefers, among all that matrix
    pencils of every order suggest.
 2. The part just after the release, where quickly damped aerodynamic modes live, is skipped when that halves the residual's

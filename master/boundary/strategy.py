@@ -59,6 +59,7 @@ class Confirm:
             amplitude = self.case.flutter.forced_amplitude_deg or 1.0
         try:
             model = linear_model.identify(setup, amplitude, self.say)
+            setup.needed_cycles = model.cycles
         except AeroSloshError as error:
             if not self.marching:
                 failure = error if isinstance(error, ComponentError) else None

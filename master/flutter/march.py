@@ -128,7 +128,7 @@ def march(
     if keeper is not None:
         keeper.check(system)
     scheme.reset(system)
-    span = Span.of(case, s)
+    span = Span.of(case, s, setup.needed_cycles(V_f))
     steps, history = span.planned, History(setup, span.planned + 1)
     history.take(0)
     fields = Fields(setup.aero, field_folder, _instants(steps, s))

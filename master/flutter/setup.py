@@ -71,6 +71,8 @@ class FlutterSetup:
         self._steady: Saved | None = None
         self._fmus = fmus
         self._slopes: SteadySlopes | str | None = "not asked for"
+        # free cycles that a march at V_f needs, where a linear model knows them
+        self.needed_cycles: Callable[[float], float] = lambda V_f: 0.0
         with ExitStack() as opened:  # what is made is freed again unless all of it can be
             self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))
             self.aero = opened.enter_context(closing(Component(fmus["aero"], "aero")))

@@ -31,8 +31,9 @@ class Span:
     most: int
 
     @classmethod
-    def of(cls, case: Case, s: Scales) -> Span:
-        """That of `case`. A limit that the case leaves to us is no shorter than `least`, within MOST_CYCLES."""
+    def of(cls, case: Case, s: Scales, needed: float = 0.0) -> Span:
+        """That of `case`. A limit that the case leaves to us is no shorter than `least`, within MOST_CYCLES. `needed`: free
+        cycles that a linear model expects the modes to take to part (`LinearModel.cycles`); the first look is not before."""
         f, (release, planned) = case.flutter, length(case, s)
         least = PERIODS / max(slower_frequency(case), 1e-3)
         if isinstance(f.max_free_cycles, float | int):
@@ -40,7 +41,9 @@ class Span:
         else:
             most = min(max(MOST_TIMES * f.free_cycles, least), MOST_CYCLES)
         steps = [release + math.ceil(cycles * s.steps_per_cycle) for cycles in (least, most)]
-        return cls(release, planned, steps[0], max(planned, steps[1]))
+        most_steps = max(planned, steps[1])
+        parted = release + math.ceil(min(needed, MOST_CYCLES) * s.steps_per_cycle)
+        return cls(release, min(max(planned, parted), most_steps), steps[0], most_steps)
 
     def longer(self, steps: int) -> int:
         """Where a march that is not settled after `steps` goes on to."""

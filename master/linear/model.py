@@ -39,6 +39,7 @@ ORDER = 8  # poles
 SLOWEST, FASTEST = 0.02, 2.0  # rates of the poles first guessed, per half chord
 GRID = 160  # V_f values a range, evenly spread in their logarithm
 NEAR = 0.3  # relative distance within which two models' crossings are one
+PARTED = 3.0  # logarithm of the ratio of two modes at which one of them is seen alone
 GOOD = 0.02  # a model that misses more of the unseen motion is said to
 
 
@@ -112,6 +113,18 @@ class LinearModel:
         """Eigenvalues / omega_alpha that what was swept can tell: no quicker than its highest frequency. Shape: (n,)."""
         values = np.linalg.eigvals(self.matrix(V_f))
         return values[np.abs(values) <= BAND] * _per_omega_alpha(self.case, V_f)
+
+    def cycles(self, V_f: float) -> float:
+        """Free cycles (periods 2 pi / omega_alpha) that a march at `V_f` needs until its two least damped oscillations can be
+        told apart: half a beat, or until one of them is e^3 times smaller against the other than at the start."""
+        values = self.spectrum(V_f)
+        values = values[values.imag > 1e-6]
+        if values.size < 2:
+            return 0.0
+        first, second = values[np.argsort(-values.real)][:2]
+        beat = math.pi / max(abs(first.imag - second.imag), 1e-9)
+        decay = PARTED / max(abs(first.real - second.real), 1e-9)
+        return min(beat, decay) / (2.0 * math.pi)
 
     def real(self, V_f: float) -> float:
         """The largest real eigenvalue / omega_alpha; nan where all oscillate."""

@@ -102,7 +102,8 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
         top.set_title(f"Neutral $V_f${liquid}: growing above an onset, damped above a recovery")
         top.margins(y=0.08)
         top.set_xlim(points[0].mach - 0.01, points[-1].mach + 0.01)
-        top.legend(loc="best", fontsize=8)
+        if top.get_legend_handles_labels()[0]:
+            top.legend(loc="best", fontsize=8)
         figure.savefig(path)
 
 

@@ -13,10 +13,12 @@ from aeroslosh.master.base.errors import AeroSloshError
 from aeroslosh.master.boundary import strategy as boundary_strategy
 from aeroslosh.master.boundary.search import BoundaryPoint
 from aeroslosh.master.case.case import Case
+from aeroslosh.master.case.scales import scales
 from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
+from aeroslosh.master.flutter.span import Span
 from aeroslosh.master.linear import model as linear_model
-from support import theory
+from support import sections, theory
 from support.paths import CASES
 from support.processes import called
 
@@ -53,6 +55,25 @@ def test_neutral_V_f(model: linear_model.LinearModel) -> None:
     slope = (rates[1] - rates[0]) / 2e-3
     assert found.direction == "onset" and found.slope == pytest.approx(slope, rel=0.05)
     assert found.uncertainty < 2e-3 * expected
+
+
+def test_it_predicts_how_long_a_march_must_be(flutter_fmus: Path) -> None:
+    """Two close modes part within half a beat; the first look at a march is not before."""
+    case = sections.named(0.35, 0.1, 0.25, 0.95, 300.0)
+    fmus, V_f = find_fmus(flutter_fmus), 0.1
+    with FlutterSetup(case, fmus, MACH) as setup:
+        found = linear_model.identify(setup, 1.0)
+        first, second = theory.eigenvalues(case, MACH, V_f)[:2]
+        beat = np.pi / abs(first.imag - second.imag) / (2.0 * np.pi)
+        assert found.cycles(V_f) == pytest.approx(beat, rel=0.02) and beat > 1.5
+        case.flutter.free_cycles, case.flutter.max_free_cycles = 1.5, 40.0
+        alone = Span.of(case, scales(case, MACH, V_f))
+        setup.needed_cycles = found.cycles
+        led = Span.of(case, scales(case, MACH, V_f), setup.needed_cycles(V_f))
+        cycles = (led.planned - led.release) / scales(case, MACH, V_f).steps_per_cycle
+        assert cycles == pytest.approx(beat, abs=0.03) and led.planned > alone.planned and led.most == alone.most
+        march = flutter_march.march(setup, V_f)
+    assert march.tau.size - 1 >= led.planned and march.settled
 
 
 def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: linear_model.LinearModel) -> None:

@@ -1,0 +1,1 @@
+"""How a component becomes a `.fmu`: archive, documentation page, generated READMEs."""
