@@ -15,7 +15,7 @@ import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; before numpy is loaded
 
-from fmus.kit import build, sources
+from fmus.kit import build, native, sources
 
 DIST = Path(__file__).resolve().parents[1] / "dist" / "fmus"
 
@@ -27,7 +27,9 @@ def is_current(fmu: Path, folder: Path) -> bool:
     digest = sources.content_hash(sources.component_files(folder, build.ROOT))
     wanted = f"resources/{folder.name}_{digest}_slave.py"
     with zipfile.ZipFile(fmu) as archive:
-        return wanted in archive.namelist() and archive.read(wanted) == build.script_text(folder, digest)
+        if wanted not in archive.namelist() or archive.read(wanted) != build.script_text(folder, digest):
+            return False
+        return archive.read(f"binaries/linux64/{folder.name}.so") == native.LIBRARY.read_bytes()
 
 
 @pytest.fixture(scope="session")

@@ -65,14 +65,16 @@ def test_outputs_have_their_dependencies(description: Any) -> None:
             assert {v.name for v in u.dependencies} <= inputs, u.variable.name
 
 
-def test_nothing_is_claimed_that_pythonfmu_cannot_do(description: Any) -> None:
+def test_nothing_is_claimed_that_the_library_cannot_do(description: Any) -> None:
     simulation = description.coSimulation
     assert description.fmiVersion == "2.0"
-    assert simulation.canGetAndSetFMUstate and simulation.canSerializeFMUstate and simulation.needsExecutionTool
+    assert simulation.canGetAndSetFMUstate and simulation.canSerializeFMUstate
+    assert not simulation.needsExecutionTool
     assert simulation.canHandleVariableCommunicationStepSize
     assert not simulation.canBeInstantiatedOnlyOncePerProcess
     assert not simulation.canInterpolateInputs and not simulation.maxOutputDerivativeOrder
     assert not simulation.canRunAsynchronuously and not simulation.providesDirectionalDerivative
     experiment = description.defaultExperiment
+    assert 0.0 < float(experiment.tolerance) < 1.0
     assert 0.0 < float(experiment.stepSize) < float(experiment.stopTime)
     assert {v.name for v in description.modelVariables} >= {"failed", "error"}
