@@ -16,7 +16,7 @@ from fmus.kit.build import BuildError, build
 HERE = Path(__file__).resolve().parent
 FAULTY = HERE / "components" / "faulty"
 KERNELS = HERE / "components" / "kernels"
-DISCARD = 2
+ERROR = 3  # fmi2Error
 Fmu = Callable[[str | Path], Path]
 Host = Callable[..., Any]
 
@@ -40,7 +40,7 @@ def test_description_has_no_problems(fmu: Fmu, component: str | Path) -> None:
 def test_failure_in_a_step_reaches_the_host_and_a_state_cures_it(fmu: Fmu, host: Host, kind: int, words: str) -> None:
     seen = host("fault", str(fmu(FAULTY)), kind)
     assert seen["good"] == [0]
-    assert seen["bad"] == [DISCARD, DISCARD, 0]
+    assert seen["bad"] == [ERROR, ERROR, 0]
     assert not seen["seen"]["after_start"]
     assert seen["seen"]["failed"] is True
     assert words in seen["seen"]["error"]
@@ -65,7 +65,7 @@ def test_failure_in_a_state_function_is_seen(fmu: Fmu, host: Host, kind: int, wo
     seen = host("state_faults", str(fmu(FAULTY)), kind)
     assert seen["failed"] is True
     assert words in seen["error"]
-    assert seen["status"] == DISCARD
+    assert seen["status"] == ERROR
 
 
 def test_refused_values(fmu: Fmu, host: Host) -> None:
@@ -81,18 +81,18 @@ def test_refused_values(fmu: Fmu, host: Host) -> None:
         before, failed, error, status, y = seen[case]
         assert words in before, case
         assert words in error, case
-        assert (failed, status, y) == (True, DISCARD, "nan"), case
+        assert (failed, status, y) == (True, ERROR, "nan"), case
     value, status, error = seen["input"]
-    assert (value, status) == (0.0, DISCARD)  # not applied
+    assert (value, status) == (0.0, ERROR)  # not applied
     assert "input 'u' = nan" in error
     assert seen["input again"] == [0, False, 2.0]
-    assert seen["late"][0] == DISCARD
+    assert seen["late"][0] == ERROR
     assert "parameter 'gain' is fixed" in seen["late"][1]
     assert seen["numbers"] == [2.0, 3, "text"]
 
 
 def test_reset_cures_a_failure(fmu: Fmu, host: Host) -> None:
-    assert host("reset", str(fmu(FAULTY))) == {"statuses": [DISCARD, 0], "y": 2.0, "failed": False}
+    assert host("reset", str(fmu(FAULTY))) == {"statuses": [ERROR, 0], "y": 2.0, "failed": False}
 
 
 def test_two_hundred_instances_in_one_process(fmu: Fmu, host: Host) -> None:
