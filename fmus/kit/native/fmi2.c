@@ -1,8 +1,8 @@
 /* The shared library of an FMU written in Python: FMI 2.0 co-simulation for any host, whether it is a Python program or not.
 
-It knows no header and no library of Python. At the first fmi2Instantiate it finds a Python (README.md beside this file says which),
-takes the functions of its C API by name, imports the module that resources/slavemodule.txt names, and makes an instance of the
-class SLAVE in it, a subclass of pythonfmu's Fmi2Slave. What the methods of that class return:
+It knows no header and no library of Python. At the first fmi2Instantiate it finds a Python (`choose` below says which), takes the
+functions of its C API by name, imports the module that resources/slavemodule.txt names, and makes an instance of the class SLAVE in
+it, a subclass of pythonfmu's Fmi2Slave. What the methods of that class return:
 
     set_*, setup_experiment, enter_…, exit_…, terminate, do_step, _set_fmu_state
                 a status as an integer; None and True are fmi2OK, False is fmi2Discard
@@ -232,6 +232,8 @@ LOCAL void thread_ends(void *unused) {
 /* A fork by a host that knows nothing of Python: the child's only thread has the GIL and whole data. A fork by Python itself,
    or by another FMU's library that was asked first, finds the GIL held by this thread and is left alone. */
 LOCAL __thread int forking, fork_gil;
+LOCAL int watching; /* forks, from the first instance on: what is registered last is asked first, and a library for linear algebra
+                       that the instance brought ends its threads at a fork, for which another thread's call would wait for ever */
 
 LOCAL void before_fork(void) {
     forking = 0;
@@ -322,7 +324,7 @@ LOCAL int has_slave(const char *folder) {
     return (size_t)snprintf(path, sizeof path, "%s/slavemodule.txt", folder) < sizeof path && access(path, R_OK) == 0;
 }
 
-/* The folder that a URI names (file:///…, file:/…, file://host/…, or a path), decoded or, where a tool does not encode, as it is. */
+/* The folder that a URI names (file:///…, file:/…, file://host/…, or a path), decoded, or as it is where a tool encodes nothing. */
 LOCAL int folder_of(const char *uri, char folder[PATH_MAX]) {
     const char *at = uri;
     if (strncmp(at, "file:", 5) == 0) {
@@ -425,7 +427,8 @@ LOCAL int ask(const char *python, const char *resources, Found *found) {
 }
 
 LOCAL int choose(const char *resources, Found *found, char why[TEXT]) {
-    const char *remedy = "Remedy: set AEROSLOSH_PYTHON to a python3 (3.11 or newer, with a shared libpython) that has the packages of";
+    const char *remedy =
+        "Remedy: set AEROSLOSH_PYTHON to a python3 (3.11 or newer, with a shared libpython) that has the packages of";
     const char *own = getenv("AEROSLOSH_PYTHON");
     char line[PATH_MAX], installed[TEXT] = "";
     if (own != NULL && *own) {
@@ -479,7 +482,7 @@ LOCAL wchar_t *wide(const char *text) {
     wchar_t *made = malloc((strlen(text) + 1) * sizeof(wchar_t)), *to = made;
     if (made == NULL) return NULL;
     for (const unsigned char *at = (const unsigned char *)text; *at;) {
-        int more = *at < 0x80 ? 0 : *at >= 0xc2 && *at < 0xe0 ? 1 : *at >= 0xe0 && *at < 0xf0 ? 2 : *at >= 0xf0 && *at < 0xf5 ? 3 : -1;
+        int more = *at < 0x80 ? 0 : *at < 0xc2 ? -1 : *at < 0xe0 ? 1 : *at < 0xf0 ? 2 : *at < 0xf5 ? 3 : -1;
         uint32_t point = more == 0 ? *at : more > 0 ? *at & (0x3fu >> more) : 0;
         int i = 1;
         for (; i <= more && (at[i] & 0xc0) == 0x80; i++) point = point << 6 | (at[i] & 0x3fu);
@@ -562,15 +565,19 @@ LOCAL int start_python(const char *resources, char why[TEXT]) {
                        "AEROSLOSH_PYTHON to one of that version", py.Py_GetVersion(), found.executable, found.version);
             return 0;
         }
+        struct sigaction interrupt; /* Python's module `signal` takes SIGINT when it is imported, whatever it was told at the start */
+        int kept = sigaction(SIGINT, NULL, &interrupt) == 0;
         if (!initialize(found.executable, why)) return 0;
+        py.Py_DecRef(py.PyImport_ImportModule("signal"));
+        py.PyErr_Clear();
+        if (kept) sigaction(SIGINT, &interrupt, NULL);
         py.PyEval_SaveThread();
     }
     if (atoi(py.Py_GetVersion() + 2) < OLDEST && py.Py_GetVersion()[0] == '3') {
         write_text(why, "the Python in this process is %.20s; this FMU needs 3.%d or newer", py.Py_GetVersion(), OLDEST);
         return 0;
     }
-    if (pthread_key_create(&thread_key, thread_ends) != 0 ||
-        pthread_atfork(before_fork, after_fork_in_parent, after_fork_in_child) != 0) {
+    if (pthread_key_create(&thread_key, thread_ends) != 0) {
         write_text(why, "this process has no thread keys left");
         return 0;
     }
@@ -729,8 +736,10 @@ LOCAL Status complain(Instance *one, const char *format, ...) {
     va_start(values, format);
     vsnprintf(text, sizeof text, format, values);
     va_end(values);
-    if (one->methods[COMPLAIN] != NULL)
-        py.Py_DecRef(call(one->methods[COMPLAIN], 1, py.PyUnicode_DecodeUTF8(text, (Py_ssize_t)strlen(text), "replace"), NULL, NULL));
+    if (one->methods[COMPLAIN] != NULL) {
+        PyObject *said = py.PyUnicode_DecodeUTF8(text, (Py_ssize_t)strlen(text), "replace");
+        py.Py_DecRef(call(one->methods[COMPLAIN], 1, said, NULL, NULL));
+    }
     py.PyErr_Clear();
     return ERROR;
 }
@@ -833,7 +842,8 @@ EXPORT Component fmi2Instantiate(const char *name, int type, const char *guid, c
     int gil;
     if (name == NULL) return no_instance(callbacks, logging, NULL, "the name of the instance is null. Remedy: give one");
     if (type != CO_SIMULATION)
-        return no_instance(callbacks, logging, name, "this FMU is for co-simulation only. Remedy: instantiate it as fmi2CoSimulation");
+        return no_instance(callbacks, logging, name,
+                           "this FMU is for co-simulation only. Remedy: instantiate it as fmi2CoSimulation");
     if (!find_resources(location, resources)) {
         write_text(why, "there are no resources of this FMU at %s, nor beside its library. Remedy: unzip the whole FMU",
                    location ? location : "(null)");
@@ -870,6 +880,7 @@ EXPORT Component fmi2Instantiate(const char *name, int type, const char *guid, c
         leave(gil);
         return no_instance(callbacks, logging, name, why);
     }
+    if (!watching && pthread_atfork(before_fork, after_fork_in_parent, after_fork_in_child) == 0) watching = 1;
     Component component = add(&one->entry, 0);
     one->busy = 1;
     end(one, gil, OK);
@@ -928,11 +939,13 @@ EXPORT Status fmi2SetDebugLogging(Component component, int logging, size_t count
     return end(one, gil, OK);
 }
 
-EXPORT Status fmi2SetupExperiment(Component component, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
+EXPORT Status fmi2SetupExperiment(Component component, int has_tolerance, double tolerance, double start, int has_stop,
+                                  double stop) {
     int gil;
     Instance *one = begin(component, &gil);
     if (one == NULL) return ERROR;
-    PyObject *numbers[] = {has_stop ? py.PyFloat_FromDouble(stop) : py.none, has_tolerance ? py.PyFloat_FromDouble(tolerance) : py.none};
+    PyObject *numbers[] = {has_stop ? py.PyFloat_FromDouble(stop) : py.none,
+                           has_tolerance ? py.PyFloat_FromDouble(tolerance) : py.none};
     if (!has_stop) py.Py_IncRef(py.none);
     if (!has_tolerance) py.Py_IncRef(py.none);
     PyObject *result = call(one->methods[SETUP], 3, py.PyFloat_FromDouble(start), numbers[0], numbers[1]);
@@ -987,8 +1000,8 @@ LOCAL int sound(Instance *one, const char *what, int type, const Reference *numb
     if (numbers == NULL || values == NULL)
         complain(one, "fmi2%s%s: null pointers for %zu values. Remedy: give arrays of that length", what, KINDS[type], count);
     else if (count > (size_t)one->variables)
-        complain(one, "fmi2%s%s: %zu values of an FMU with %zd variables. Remedy: give the length of the arrays", what, KINDS[type],
-                 count, one->variables);
+        complain(one, "fmi2%s%s: %zu values of an FMU with %zd variables. Remedy: give the length of the arrays", what,
+                 KINDS[type], count, one->variables);
     else return 1;
     return 0;
 }
@@ -1115,8 +1128,8 @@ EXPORT Status fmi2SetFMUstate(Component component, State state) {
     if (one == NULL) return ERROR;
     Kept *kept = (Kept *)find(state, 1);
     if (kept == NULL)
-        return end(one, gil, complain(one, "fmi2SetFMUstate: %s. Remedy: set a state that fmi2GetFMUstate or fmi2DeSerializeFMUstate "
-                                           "of this FMU gave and that is not freed",
+        return end(one, gil, complain(one, "fmi2SetFMUstate: %s. Remedy: set a state that fmi2GetFMUstate or "
+                                           "fmi2DeSerializeFMUstate of this library gave and that is not freed",
                                       state ? "there is no such state" : "the state is null"));
     one->told = 0;
     py.Py_IncRef(kept->state);
