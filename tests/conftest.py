@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -17,6 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; befor
 
 from fmus.kit import build, native, sources
 
+THIS = Path(os.path.abspath(sys.executable))
 DIST = Path(__file__).resolve().parents[1] / "dist" / "fmus"
 
 
@@ -32,6 +34,13 @@ def is_current(fmu: Path, folder: Path) -> bool:
         return archive.read(f"binaries/linux64/{folder.name}.so") == native.LIBRARY.read_bytes()
 
 
+def takes_this_python(fmu: Path) -> bool:
+    """Tell whether a host that is no Python program would get the Python that runs the tests."""
+    with zipfile.ZipFile(fmu) as archive:
+        names = archive.namelist()
+        return "resources/python.txt" in names and archive.read("resources/python.txt").strip() == os.fsencode(THIS)
+
+
 @pytest.fixture(scope="session")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str | Path], Path]:
     """Return a function: component name, or folder of a test component -> path of its FMU."""
@@ -43,6 +52,10 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str | Path], Path
         if folder.name not in built:
             ready = DIST / f"{folder.name}.fmu"
             built[folder.name] = ready if is_current(ready, folder) else build.build(folder, out)
+            if not takes_this_python(built[folder.name]):
+                if built[folder.name].parent != out:
+                    built[folder.name] = Path(shutil.copy(built[folder.name], out))
+                build.install(built[folder.name], THIS)
         return built[folder.name]
 
     return get

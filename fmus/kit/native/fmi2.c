@@ -1,8 +1,8 @@
 /* The shared library of an FMU written in Python: FMI 2.0 co-simulation for any host, whether it is a Python program or not.
 
 It knows no header and no library of Python. At the first fmi2Instantiate it finds a Python (`choose` below says which), takes the
-functions of its C API by name, imports the module that resources/slavemodule.txt names, and makes an instance of the class SLAVE in
-it, a subclass of pythonfmu's Fmi2Slave. What the methods of that class return:
+functions of its C API by name, imports the module that resources/slavemodule.txt names, and makes an instance of the class SLAVE
+in it, a subclass of pythonfmu's Fmi2Slave. What the methods of that class return:
 
     set_*, setup_experiment, enter_…, exit_…, terminate, do_step, _set_fmu_state
                 a status as an integer; None and True are fmi2OK, False is fmi2Discard
@@ -233,7 +233,7 @@ LOCAL void thread_ends(void *unused) {
    or by another FMU's library that was asked first, finds the GIL held by this thread and is left alone. */
 LOCAL __thread int forking, fork_gil;
 LOCAL int watching; /* forks, from the first instance on: what is registered last is asked first, and a library for linear algebra
-                       that the instance brought ends its threads at a fork, for which another thread's call would wait for ever */
+                       that the instance brought ends its threads at a fork, for which another thread's call would wait */
 
 LOCAL void before_fork(void) {
     forking = 0;
@@ -324,7 +324,7 @@ LOCAL int has_slave(const char *folder) {
     return (size_t)snprintf(path, sizeof path, "%s/slavemodule.txt", folder) < sizeof path && access(path, R_OK) == 0;
 }
 
-/* The folder that a URI names (file:///…, file:/…, file://host/…, or a path), decoded, or as it is where a tool encodes nothing. */
+/* The folder that a URI names (file:///…, file:/…, file://host/…, or a path), decoded, or as it is where a tool encodes none. */
 LOCAL int folder_of(const char *uri, char folder[PATH_MAX]) {
     const char *at = uri;
     if (strncmp(at, "file:", 5) == 0) {
@@ -526,7 +526,8 @@ LOCAL int initialize(const char *executable, char why[TEXT]) {
     } else {
         void (*set_name)(const wchar_t *);
         int *ignore = dlsym(RTLD_DEFAULT, "Py_IgnoreEnvironmentFlag"), *utf8 = dlsym(RTLD_DEFAULT, "Py_UTF8Mode");
-        wchar_t *name = wide(executable); /* Python keeps it for ever */
+        static wchar_t *name; /* Python may go on using it */
+        name = wide(executable);
         *(void **)&set_name = dlsym(RTLD_DEFAULT, "Py_SetProgramName");
         if (set_name != NULL && ignore != NULL && utf8 != NULL && name != NULL) {
             *ignore = *utf8 = 1;
@@ -565,7 +566,7 @@ LOCAL int start_python(const char *resources, char why[TEXT]) {
                        "AEROSLOSH_PYTHON to one of that version", py.Py_GetVersion(), found.executable, found.version);
             return 0;
         }
-        struct sigaction interrupt; /* Python's module `signal` takes SIGINT when it is imported, whatever it was told at the start */
+        struct sigaction interrupt; /* Python's module `signal` takes SIGINT when it is imported, whatever it was told */
         int kept = sigaction(SIGINT, NULL, &interrupt) == 0;
         if (!initialize(found.executable, why)) return 0;
         py.Py_DecRef(py.PyImport_ImportModule("signal"));
