@@ -63,6 +63,7 @@ typedef struct {
 } Instance;
 
 static int logging; /* --log */
+static int quiet;   /* what an instance says is shown with --log, and where `check` says it anyway not twice */
 static const char *STATUS[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
 
 /* ---- the end */
@@ -193,6 +194,7 @@ static void show(fmi2ComponentEnvironment environment, fmi2String instance, fmi2
                  fmi2String message, ...) {
     va_list values;
     (void)environment, (void)category;
+    if (quiet) return;
     va_start(values, message);
     fprintf(stderr, "%s (%s): ", instance, STATUS[status]);
     vfprintf(stderr, message, values);
@@ -225,9 +227,11 @@ static void load(Instance *it, int number) {
     for (const char *from = path; *from; from++)
         to += sprintf(to, strchr(plain, *from) ? "%c" : "%%%02X", (unsigned char)*from);
     it->callbacks = (fmi2CallbackFunctions){show, calloc, free, NULL, NULL};
+    quiet = 0; /* why there is no instance must be seen */
     it->component =
         it->Instantiate(it->name, fmi2CoSimulation, guid, address, &it->callbacks, fmi2False, logging ? fmi2True : fmi2False);
     if (it->component == NULL) stop(3, "%s: fmi2Instantiate gave no instance; the FMU said why", it->name);
+    quiet = !logging;
 
     const char *at = it->description;
     Variable variable;

@@ -51,8 +51,8 @@ try:
     from {package}.{component}.fmu import {face} as _Face
 except ImportError as _error:
     raise ImportError(
-        f"this FMU cannot start in the Python of {{sys.prefix}}: {{_error}}. Remedy: set AEROSLOSH_PYTHON to the python3 that has "
-        f"its packages, or where the host itself is a Python program: python3 -m pip install -r '{{_resources}}/requirements.txt'"
+        f"this FMU cannot start in the Python of {{sys.prefix}}: {{_error}}. Remedy: set AEROSLOSH_PYTHON to the python3 that "
+        f"has its packages, or where the host itself is a Python program: python3 -m pip install -r '{{_resources}}/requirements.txt'"
     ) from _error
 
 

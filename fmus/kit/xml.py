@@ -179,6 +179,7 @@ def _structure(root: Element, variables: Sequence[Variable]) -> None:
     for tag, initially in (("Outputs", False), ("InitialUnknowns", True)):
         listed = SubElement(structure, tag)
         for variable in outputs:
-            names = variable.depends_initially if initially else variable.depends
+            # between steps nothing that is set moves an output: it is what the last step, or the start, assigned
+            names = variable.depends if initially else ()
             places = " ".join(str(place) for place in sorted(index[name] for name in names))
             SubElement(listed, "Unknown", index=str(index[variable.name]), dependencies=places)

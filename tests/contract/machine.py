@@ -81,7 +81,7 @@ class Contract(RuleBasedStateMachine):
         low, high = bounds(variable) if kind(variable) in ("Real", "Integer") else (0, 0)
         bad = kind(variable) in ("Real", "Integer") and not (low <= value <= high and math.isfinite(value))
         fixed = variable.causality == "parameter" and model.mode == "running" and value != model.values[name]
-        forbidden = fixed and not bad or model.mode == "terminated"
+        forbidden = (fixed and not bad) or model.mode == "terminated"
         assert status == (ERROR if forbidden else DISCARD if bad else OK)
         if bad or forbidden:
             self._change(refused=model.refused | {name})

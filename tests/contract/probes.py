@@ -1,6 +1,7 @@
 """What only the library can guard, one probe after another: `python probes.py <unzip folder> <probe>...`.
 
-Each prints what came of it; a signal would end the process in the middle. `test_probes.py` holds what fmus/kit/README.md says of them.
+Each prints what came of it; a signal would end the process in the middle. `test_probes.py` holds the answers that
+fmus/kit/README.md tells of.
 """
 
 from __future__ import annotations
@@ -133,7 +134,7 @@ def null_pointers_with_a_count(folder: str) -> Any:
     for kind in raw.TYPES:
         for what in ("Get", "Set"):
             one, numbers = started(folder), (c.c_uint * 1)(0)
-            answers |= {one.call(f"{what}{kind}", None, c.c_size_t(1), None), one.call(f"{what}{kind}", numbers, c.c_size_t(1), None)}
+            answers |= {one.call(f"{what}{kind}", references, c.c_size_t(1), None) for references in (None, numbers)}
             one.assert_failed("null pointers")
     return answers
 

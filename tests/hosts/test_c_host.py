@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from host_jobs import JOBS, POINTS, clean, job, settings, table
+from host_jobs import JOBS, clean, job, settings, table
 
 from master.hosts import hosting
 
