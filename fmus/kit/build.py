@@ -52,7 +52,8 @@ try:
 except ImportError as _error:
     raise ImportError(
         f"this FMU cannot start in the Python of {{sys.prefix}}: {{_error}}. Remedy: set AEROSLOSH_PYTHON to the python3 that "
-        f"has its packages, or where the host itself is a Python program: python3 -m pip install -r '{{_resources}}/requirements.txt'"
+        "has its packages, or where the host itself is a Python program: python3 -m pip install -r "
+        f"'{{_resources}}/requirements.txt'"
     ) from _error
 
 

@@ -2,8 +2,8 @@
 
 {"initially": {output: {known: how it moves the initial value}}, "stepping": {output: {input: how, between two steps}}}
 
-A known is changed a little, and by a lot, from several points where nothing is zero. It moves an output "clearly", or "in its last
-bits". What only reads or writes files is left as it is.
+A known is changed a little, and by a lot, from several points where nothing is zero. It moves an output "clearly", or "in its
+last bits". What only reads or writes files is left as it is.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ ROUNDING = 1e-11
 POINTS: dict[str, list[dict[str, Any]]] = {
     "structure": [
         {"liquid_mass": 3.0, "liquid_static_moment": 0.7, "liquid_inertia": 0.9, "liquid_stiffness": 20.0,
-         "damping_ratio_h": 0.02, "damping_ratio_alpha": 0.03, "initial_h_dot": 0.3, "initial_alpha_dot": 0.2, "trim_lift": 5.0, "trim_moment": 3.0,
-         "load_prediction": 0},
+         "damping_ratio_h": 0.02, "damping_ratio_alpha": 0.03, "initial_h_dot": 0.3, "initial_alpha_dot": 0.2, "trim_lift": 5.0,
+         "trim_moment": 3.0, "load_prediction": 0},
         {"forced_cycles": 2.0, "initial_h": 0.0, "initial_alpha": 0.0},
         {"forced_cycles": 0.0, "initial_h": 0.0, "initial_alpha": 0.0, "forced_ramp_cycles": 0.0},
         {"forced_cycles": 2.0, "initial_h": 0.0, "initial_alpha": 0.0, "forced_ramp_cycles": 0.0},
