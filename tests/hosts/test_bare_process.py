@@ -137,6 +137,18 @@ def test_an_installed_path_that_is_gone_is_passed_over(c_host: Path, words: Call
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_a_preloaded_library_of_another_version_is_heeded(
+    c_host: Path, words: Callable[..., list[str]], portable: Path, launch: list[str]
+) -> None:
+    """What is in the process decides which Python is taken: the installed one is passed over, that on PATH is of its version."""
+    other = next((python for python in _others() if f"{sys.version_info[0]}.{sys.version_info[1]}" not in python), None)
+    if other is None:
+        pytest.skip("there is no other Python with a shared library here")
+    (portable / "resources" / "python.txt").write_text(f"{other}\n")
+    done = bare([*launch, str(c_host), *words("structure", portable)])
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def _others() -> list[str]:
     """Other Pythons of this machine, new enough and with a shared library, by their executables."""
     found = sorted(Path("/root/.pyenv/versions").glob("3.1[1-9].*/bin/python3")) if os.access("/root/.pyenv", os.R_OK) else []

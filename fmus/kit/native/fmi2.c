@@ -373,7 +373,7 @@ typedef struct { /* what find_python.py prints, a line each */
 } Found;
 
 /* Run `python` (a path, or a name to be looked up on PATH) with find_python.py; what it said, or why it said nothing. */
-LOCAL int ask(const char *python, const char *resources, Found *found) {
+LOCAL int asked(const char *python, const char *resources, Found *found) {
     char script[PATH_MAX], answer[3 * PATH_MAX + TEXT];
     int ends[2], status = 0;
     pid_t child;
@@ -426,21 +426,30 @@ LOCAL int ask(const char *python, const char *resources, Found *found) {
     return found->problem[0] == '\0';
 }
 
-LOCAL int choose(const char *resources, Found *found, char why[TEXT]) {
+/* The same; `version` is that of a library which is in the process already, or NULL. */
+LOCAL int ask(const char *python, const char *resources, const char *version, Found *found) {
+    if (!asked(python, resources, found)) return 0;
+    size_t length = strlen(found->version);
+    if (version == NULL || (strncmp(version, found->version, length) == 0 && version[length] == '.')) return 1;
+    write_text(found->problem, "it is Python %s, and this process holds the library of %.10s", found->version, version);
+    return 0;
+}
+
+LOCAL int choose(const char *resources, const char *version, Found *found, char why[TEXT]) {
     const char *remedy =
         "Remedy: set AEROSLOSH_PYTHON to a python3 (3.11 or newer, with a shared libpython) that has the packages of";
     const char *own = getenv("AEROSLOSH_PYTHON");
     char line[PATH_MAX], installed[TEXT] = "";
     if (own != NULL && *own) {
-        if (ask(own, resources, found)) return 1;
+        if (ask(own, resources, version, found)) return 1;
         write_text(why, "AEROSLOSH_PYTHON = %s: %s. %s %s/requirements.txt", own, found->problem, remedy, resources);
         return 0;
     }
     if (read_small(resources, "python.txt", line, sizeof line) && access(line, X_OK) == 0) {
-        if (ask(line, resources, found)) return 1;
+        if (ask(line, resources, version, found)) return 1;
         write_text(installed, "; nor is %.1000s of resources/python.txt: %.1000s", line, found->problem);
     }
-    if (ask("python3", resources, found)) return 1;
+    if (ask("python3", resources, version, found)) return 1;
     write_text(why, "no Python for this FMU: python3 on PATH%s%.1000s is none: %.1000s%.1500s. %s %s/requirements.txt",
                found->executable[0] ? ", " : "", found->executable, found->problem, installed, remedy, resources);
     return 0;
@@ -553,19 +562,15 @@ LOCAL int start_python(const char *resources, char why[TEXT]) {
     if (runs != NULL && runs()) {
         if (!take_api(why)) return 0;
     } else {
-        if (!choose(resources, &found, why)) return 0;
+        const char *(*version)(void) = NULL;
+        if (runs != NULL) *(void **)&version = dlsym(RTLD_DEFAULT, "Py_GetVersion");
+        if (!choose(resources, version ? version() : NULL, &found, why)) return 0;
         if (runs == NULL && dlopen(found.library, RTLD_NOW | RTLD_GLOBAL) == NULL) {
             const char *said = dlerror();
             write_text(why, "%s of %s cannot be loaded: %s", found.library, found.executable, said ? said : "no more is said");
             return 0;
         }
         if (!take_api(why)) return 0;
-        size_t length = strlen(found.version);
-        if (strncmp(py.Py_GetVersion(), found.version, length) != 0 || py.Py_GetVersion()[length] != '.') {
-            write_text(why, "this process holds the library of Python %.20s, but the Python of this FMU, %s, is %s. Remedy: set "
-                       "AEROSLOSH_PYTHON to one of that version", py.Py_GetVersion(), found.executable, found.version);
-            return 0;
-        }
         struct sigaction interrupt; /* Python's module `signal` takes SIGINT when it is imported, whatever it was told */
         int kept = sigaction(SIGINT, NULL, &interrupt) == 0;
         if (!initialize(found.executable, why)) return 0;
