@@ -24,7 +24,6 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Sequence
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, ClassVar
 from xml.etree.ElementTree import Element
@@ -32,7 +31,7 @@ from xml.etree.ElementTree import Element
 from pythonfmu import Fmi2Slave
 
 from . import clock, xml
-from .binary import ByReference
+from .binary import ByReference, remember, taker
 from .failure import ERROR, FAILURE_OUTPUTS, OK, Failing, StepError, guarded, printable, quiet
 from .prediction import SUFFIX, Extrapolator
 from .state import State, check
@@ -46,8 +45,6 @@ _WAY = {
     TERMINATED: "reset this instance to start anew, or restore a state",
 }
 """What is to be done next in a mode, for a host that asked for something else."""
-MOST_TAKERS = 64
-"""Sets of value references that are remembered; a host asks for the same few again and again."""
 
 
 class Slave(Failing, Fmi2Slave):
@@ -116,7 +113,9 @@ class Slave(Failing, Fmi2Slave):
         self._ranges: dict[int, tuple[str, float, float]] = {}
         self._names = {name: ByReference(name) for name in UNSET}
         self._results: list[str] = []
-        self._takers: dict[tuple[int, ...], Callable[[dict[str, Any]], tuple[Any, ...]]] = {}  # of Reals, by references
+        # of Reals, by references: what takes their values out of the instance, and names and ranges of what is set
+        self._takers: dict[tuple[int, ...], Callable[[dict[str, Any]], tuple[Any, ...]]] = {}
+        self._plans: dict[tuple[int, ...], list[tuple[str, float, float]]] = {}
         # the variable that switches the prediction of inputs on, and what foretells them
         self._switch = next((variable.name for variable in self.variables if variable.name.endswith(SUFFIX)), "")
         self._ahead: Extrapolator | None = None
@@ -132,7 +131,7 @@ class Slave(Failing, Fmi2Slave):
             setattr(self, variable.name, UNSET[variable.type] if variable.start is None else variable.start)
             # not through register_variable, whose getters hold the instance: it would live until the garbage collector comes
             self.vars[reference] = variable
-        self._all_results = _taker(self._results)
+        self._all_results = taker(self._results)
 
     @property
     def folder(self) -> Path:
@@ -298,10 +297,8 @@ class Slave(Failing, Fmi2Slave):
         if self._mode == RUNNING and not self._failure and not self._refused and type(vrs) is tuple:
             take = self._takers.get(vrs)
             if take is None:
-                if len(self._takers) >= MOST_TAKERS:
-                    self._takers.clear()
                 names = self._names["Real"]
-                take = self._takers[vrs] = _taker([names[vr] for vr in vrs])
+                take = remember(self._takers, vrs, taker([names[vr] for vr in vrs]))
             return take(self.__dict__)
         return self._get("Real", vrs, float)
 
@@ -347,10 +344,11 @@ class Slave(Failing, Fmi2Slave):
     @quiet
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> int:
         """Set Reals by value reference; a value that is refused is not applied (see the module's text)."""
-        if self._mode == RUNNING and not self._refused:
-            own, ranges = self.__dict__, self._ranges
-            for vr, value in zip(vrs, values, strict=True):
-                name, low, high = ranges.get(vr, ("", 1.0, 0.0))
+        if self._mode == RUNNING and not self._refused and type(vrs) is tuple:
+            own, plan = self.__dict__, self._plans.get(vrs)
+            if plan is None:
+                plan = remember(self._plans, vrs, [self._ranges.get(vr, ("", 1.0, 0.0)) for vr in vrs])
+            for (name, low, high), value in zip(plan, values):  # noqa: B905  as many as there are references, by the library
                 if not low <= value <= high:  # not an input, not a number, out of range: the long way
                     break
                 own[name] = value
@@ -430,13 +428,6 @@ class Slave(Failing, Fmi2Slave):
             return State.from_bytes(bytes(data), cls.__name__, cls.content_hash)
         except BaseException as exception:
             return State(cls.__name__, cls.content_hash, problem=str(exception) or type(exception).__name__)
-
-
-def _taker(names: Sequence[str]) -> Callable[[dict[str, Any]], tuple[Any, ...]]:
-    """Return what takes the values of `names` out of a dictionary, as a tuple."""
-    if len(names) > 1:
-        return itemgetter(*names)
-    return lambda values: tuple(values[name] for name in names)
 
 
 def _face(cls: type) -> type:
