@@ -5,7 +5,7 @@ PY := $(VENV)/bin/python
 RUN := $(VENV)/bin/aeroslosh
 WORKERS ?= 2
 STAMP := $(VENV)/.installed
-SOURCES := $(shell find fmus master -name '*.py' -o -name '*.csv' -o -name '*.md' 2>/dev/null)
+SOURCES := $(shell find fmus master -name '*.py' -o -name '*.csv' -o -name '*.md' -o -name '*.so' 2>/dev/null)
 
 .PHONY: flutter test fmus validate bench lint clean
 flutter: dist/fmus/.built

@@ -1,7 +1,7 @@
 """FMI and master: what a step costs when every physics does nothing, beside a step of aero, structure and two-phase slosh.
 
-The FMUs' own `step` methods are replaced by nothing; what is left is the master, its history, FMPy's library calls, pythonfmu and
-the kit's guards. The trivial FMUs are plain pythonfmu ones.
+The FMUs' own `step` methods are replaced by nothing; what is left is the master, its history, FMPy's library calls, the FMUs'
+library and the kit's guards. The trivial FMUs are plain pythonfmu ones.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ The cells below (`# %%`) run one by one in an editor that knows them. What is sp
 2. A load depends on the acceleration of the same instant. The outputs `force_x_residual` … are the load less that of the same
    liquid frozen. Carry the frozen liquid on your own left side (`liquid_mass`), feed the residual, and one pass a step is stable
    although the liquid is as heavy as the truck.
-3. Read `failed` and `error` after initialisation; `fmi2DoStep` returns fmi2Discard when a step cannot be done.
+3. Look at the status of each call: what cannot be done returns fmi2Error, a value out of its range fmi2Discard; `error` says why.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from __future__ import annotations
 import argparse
 import base64
 import json
-import os
 import shutil
 import sys
 from pathlib import Path
@@ -267,6 +266,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    code = main()
-    sys.stdout.flush()
-    os._exit(code)  # pythonfmu 0.7 releases its interpreter state twice at a normal exit
+    sys.exit(main())

@@ -17,11 +17,13 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does; before numpy is loaded
 
 from aeroslosh.fmus.build import archive as build_archive
-from aeroslosh.fmus.kit import sources
+from aeroslosh.fmus.kit import native, sources
 from support.doubles import build as doubles_build
 from support.once import once
 from support.paths import DIST
 from support.processes import supported
+
+THIS = Path(os.path.abspath(sys.executable))
 
 
 def is_current(fmu: Path, folder: Path) -> bool:
@@ -31,7 +33,22 @@ def is_current(fmu: Path, folder: Path) -> bool:
     digest = sources.content_hash(sources.component_files(folder, build_archive.ROOT))
     wanted = f"resources/{folder.name}_{digest}_slave.py"
     with zipfile.ZipFile(fmu) as archive:
-        return wanted in archive.namelist() and archive.read(wanted) == build_archive.script_text(folder, digest)
+        if wanted not in archive.namelist() or archive.read(wanted) != build_archive.script_text(folder, digest):
+            return False
+        return archive.read(f"binaries/linux64/{folder.name}.so") == native.LIBRARY.read_bytes()
+
+
+def takes_this_python(fmu: Path) -> bool:
+    """Tell whether a host that is no Python program would get the Python that runs the tests."""
+    with zipfile.ZipFile(fmu) as archive:
+        names = archive.namelist()
+        return "resources/python.txt" in names and archive.read("resources/python.txt").strip() == os.fsencode(THIS)
+
+
+def own(folder: Path, ready: Path, out: Path) -> None:
+    """Put the FMU of `folder` into `out`, a copy of `ready` where that is current, installed for this Python."""
+    made = Path(shutil.copy(ready, out)) if is_current(ready, folder) else build_archive.build(folder, out)
+    build_archive.install(made, THIS)
 
 
 @pytest.fixture(scope="session")
@@ -43,8 +60,8 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str | Path], Path
         folder = build_archive.ROOT / component if isinstance(component, str) else component
         if folder.name not in built:
             ready = DIST / f"{folder.name}.fmu"
-            if not is_current(ready, folder):
-                made = once(tmp_path_factory, f"fmu_{folder.name}", lambda out: build_archive.build(folder, out))
+            if not is_current(ready, folder) or not takes_this_python(ready):
+                made = once(tmp_path_factory, f"fmu_{folder.name}", lambda out: own(folder, ready, out))
                 ready = made / f"{folder.name}.fmu"
             built[folder.name] = ready
         return built[folder.name]

@@ -37,8 +37,9 @@ MAY = {
     "commands": "base fmi cosim case analysis flutter boundary results pictures sweeps ssp hosts training api",
     "cli": "base commands",
 }
-# Who of master knows components: the command that trains the network of slosh_rbf, and what builds FMUs where there are none.
-KNOWS_COMPONENTS = {"master.commands.train", "master.fmi.installed"}
+# Who of master knows components: what trains the network of slosh_rbf, what builds FMUs where there are none, and what
+# tries the FMUs' library in a program that is no Python.
+KNOWS_COMPONENTS = {"master.commands.train", "master.fmi.installed", "master.hosts.bare"}
 
 
 def rooms_script() -> ModuleType:

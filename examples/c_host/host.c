@@ -11,11 +11,10 @@
    --save ROW FILE     write the state at ROW of the first FMU to FILE
    --resume ROW FILE   start at ROW with the state in FILE
    --log               show what the FMUs log
-   --end HOW           quick (default), exit or unload: see `finish`
+   --end HOW           exit (default), unload, or quick: see `finish`
 
    Exit code: 0 all well, 1 wrong use or an FMU that cannot be loaded, 3 an FMU refused or failed.
-   Build: see README.md. FMUs written in Python need libpython in the process and their Python first on PATH: start this
-   program with aeroslosh-launch, or in the environment that `aeroslosh doctor` prints. */
+   Build: see README.md. */
 
 #define _XOPEN_SOURCE 700
 #include <dlfcn.h>
@@ -53,7 +52,7 @@ typedef struct {
     void *library;
     FUNCTIONS(DECLARE)
     fmi2Component component;
-    fmi2CallbackFunctions callbacks; /* the FMU keeps the address */
+    fmi2CallbackFunctions callbacks; /* FMUs of others may keep the address */
     char *description;
     Variable outputs[NAMES];
     int n_outputs;
@@ -64,13 +63,13 @@ typedef struct {
 } Instance;
 
 static int logging; /* --log */
+static int quiet;   /* what an instance says is shown with --log, and where `check` says it anyway not twice */
 static const char *STATUS[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
 
 /* ---- the end */
 
-/* pythonfmu 0.7 can abort when a process ends in the ordinary way, from exit() as from dlclose(), after all work is done: it
-   releases its interpreter state twice. aeroslosh's FMUs see to it themselves (docs/hosts.md); with those of others a host is
-   safe if it flushes what it wrote and leaves with _exit. The other two ways are there to look at that. */
+/* exit: as programs end; unload: after dlclose; quick: without the C library's handlers, for FMUs of others that cannot stand
+   an ordinary end (pythonfmu 0.7's own binary is one). */
 static void finish(Instance *instances, int count, const char *how, int code) {
     for (int i = 0; i < count; i++) {
         if (instances[i].component == NULL) continue;
@@ -184,25 +183,18 @@ static void read_table(Table *table, const char *path) {
 /* What a user sees of a bad status: our FMUs say in the output `error` what happened and what to do. */
 static void check(Instance *it, const char *call, fmi2Status status) {
     Variable variable;
-    fmi2Boolean failed = fmi2False;
     fmi2String error = "";
-    if (status <= fmi2Warning) {
-        if (strcmp(call, "fmi2ExitInitializationMode") != 0 && strcmp(call, "fmi2SetFMUstate") != 0) return;
-        /* pythonfmu can return a status from fmi2DoStep alone: here the output `failed` tells */
-        if (!find(it, "failed", &variable) || variable.kind != 'B') return;
-        it->GetBoolean(it->component, &variable.reference, 1, &failed);
-        if (!failed) return;
-    }
+    if (status <= fmi2Warning) return;
     if (find(it, "error", &variable) && variable.kind == 'S') it->GetString(it->component, &variable.reference, 1, &error);
-    const char *what = status <= fmi2Warning ? "failed" : STATUS[status];
     if (strncmp(error, it->name, strlen(it->name)) == 0) error += strlen(it->name) + 2; /* "name: what happened" */
-    stop(3, "%s: %s: %s: %s", it->name, call, what, *error ? error : "the FMU says no more; --log may");
+    stop(3, "%s: %s: %s: %s", it->name, call, STATUS[status], *error ? error : "the FMU says no more; --log may");
 }
 
 static void show(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
                  fmi2String message, ...) {
     va_list values;
     (void)environment, (void)category;
+    if (quiet) return;
     va_start(values, message);
     fprintf(stderr, "%s (%s): ", instance, STATUS[status]);
     vfprintf(stderr, message, values);
@@ -222,29 +214,24 @@ static void load(Instance *it, int number) {
     snprintf(it->name, sizeof it->name, "%s_%d", model, number);
     snprintf(path, sizeof path, "%s/binaries/linux64/%s.so", it->folder, model);
     it->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (it->library == NULL) {
-        const char *said = dlerror();
-        if (strstr(said, "undefined symbol: _Py") || strstr(said, "undefined symbol: Py"))
-            stop(1, "%s is an FMU written in Python, and this process holds no libpython: start this program with "
-                 "`aeroslosh-launch PROGRAM ARGUMENTS`, or in the environment that `aeroslosh doctor` prints", model);
-        stop(1, "%s", said);
-    }
+    if (it->library == NULL) stop(1, "%s", dlerror());
 #define RESOLVE(call)                                             \
     *(void **)(&it->call) = dlsym(it->library, "fmi2" #call);     \
     if (it->call == NULL) stop(1, "%s has no fmi2" #call, path);
     FUNCTIONS(RESOLVE)
 
-    /* resources as a URI: what is not plain is written as %XX. pythonfmu 0.7 decodes %20 alone, so unzip its FMUs to a folder
-       whose path holds nothing but ASCII letters, digits, ._-/ and spaces. */
+    /* resources as a URI: what is not plain is written as %XX */
     char *to = address + strlen(address);
     snprintf(path, sizeof path, "%s/resources", it->folder);
     const char *plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._~/";
     for (const char *from = path; *from; from++)
         to += sprintf(to, strchr(plain, *from) ? "%c" : "%%%02X", (unsigned char)*from);
     it->callbacks = (fmi2CallbackFunctions){show, calloc, free, NULL, NULL};
+    quiet = 0; /* why there is no instance must be seen */
     it->component =
         it->Instantiate(it->name, fmi2CoSimulation, guid, address, &it->callbacks, fmi2False, logging ? fmi2True : fmi2False);
-    if (it->component == NULL) stop(3, "%s: fmi2Instantiate gave no instance; --log shows why", it->name);
+    if (it->component == NULL) stop(3, "%s: fmi2Instantiate gave no instance; the FMU said why", it->name);
+    quiet = !logging;
 
     const char *at = it->description;
     Variable variable;
@@ -314,7 +301,7 @@ static void march(Instance *instances, int count, int first, int last, int shown
 
 int main(int argc, char **argv) {
     static Instance instances[MOST];
-    const char *how = "quick", *file = NULL;
+    const char *how = "exit", *file = NULL;
     int count = 0, rollback = -1, save = -1, resume = -1, at = 1, last = 0;
     for (; at < argc && strncmp(argv[at], "--", 2) == 0; at++) {
         int left = argc - at - 1;

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ..kit.interfaces import MOTION, aero_outputs, motion_inputs
+from ..kit.interfaces import aero_outputs, motion_inputs
 from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import input_, output, parameter
@@ -20,6 +20,8 @@ from .mesh import o_mesh
 
 SOUND_STEP = 0.8
 """Longest internal step in chords that sound travels."""
+FLOW = ("alpha", "mean_alpha", "mach", "airfoil", "cells_around", "cells_normal", "farfield_chords")
+"""What the steady flow at the start is made of, without dimensions."""
 MOST_PARTS = 10_000
 """Most internal steps of a communication step; 2 ms each on the default mesh."""
 
@@ -49,18 +51,15 @@ class Aero(Slave):
         prediction("motion"),
         *motion_inputs(),
         input_("write_fields", False, "", "Write mesh, Mach field and surface pressure at the end of this step"),
-        *aero_outputs(depends_initially=("alpha",)),
+        *aero_outputs(FLOW, force=("static_pressure", "chord"), arm=("elastic_axis",)),
         output("subiterations", "", "Subiterations of the last step (iterations of the steady flow at the start)", type=int,
-               depends=MOTION, depends_initially=("alpha",)),
-        output("residual", "1", "Last subiteration's density change over that of the step", depends=MOTION,
-               depends_initially=("alpha",)),
-        output("converged", "", "Whether the last step, all of its internal ones, met the tolerance", type=bool, depends=MOTION,
-               depends_initially=("alpha",)),
-        output("refactorings", "", "Linearisations since the start", type=int, depends=MOTION, depends_initially=("alpha",)),
-        output("retries", "", "Repetitions of the last step with smaller pseudo-steps", type=int, depends=MOTION,
-               depends_initially=("alpha",)),
+               depends=FLOW),
+        output("residual", "1", "Last subiteration's density change over that of the step", depends=FLOW),
+        output("converged", "", "Whether the last step, all of its internal ones, met the tolerance", type=bool, depends=FLOW),
+        output("refactorings", "", "Linearisations since the start", type=int, depends=FLOW),
+        output("retries", "", "Repetitions of the last step with smaller pseudo-steps", type=int, depends=FLOW),
         output("airfoil_summary", "", "The section, and what was done to its file: points, base, thickness, camber",
-               type=str),
+               type=str, depends=("airfoil",)),
     )  # fmt: skip
 
     def prepare(self) -> None:

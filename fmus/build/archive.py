@@ -3,9 +3,12 @@
 A component is a folder of `fmus/` with a `fmu.py` that holds one subclass of `Slave`. Its FMU holds
 
     modelDescription.xml
-    binaries/{linux64,win64}/<component>.{so,dll}     pythonfmu's wrapper
+    binaries/linux64/<component>.so                   the library, native/fmi2.c
     resources/<component>_<hash>/                     the sources, laid out as in fmus/: kit/, <component>/ …
     resources/<component>_<hash>_slave.py             generated from SCRIPT, holds the one leaf class
+    resources/slavemodule.txt, guid.txt               the name of that script, and the FMU's GUID, for the library
+    resources/find_python.py                          what the library asks a Python to run
+    resources/python.txt                              where it is installed (see `install`): a Python that has the packages
     resources/pythonfmu/                              pythonfmu itself, embedded
     resources/requirements.txt                        the packages this FMU imports
     documentation/                                    index.html, README, reference result, licences
@@ -33,52 +36,35 @@ from xml.etree import ElementTree
 
 import pythonfmu
 
-from ..kit import sources
+from ..kit import native, sources
 from . import page
 
 ROOT = Path(__file__).resolve().parents[1]  # fmus/
 PYTHONFMU = Path(inspect.getfile(pythonfmu)).parent
-BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
-# What pythonfmu 0.7 needs of a script. It runs it again at each instantiation, drops one reference of its globals (so one is
-# added, for good: references in a list would be given back at the end, and the globals freed twice) and keeps one of the class
-# for ever (so the class of the first time is taken again). It releases its interpreter twice when a process ends, after
-# libraries that were loaded later (LLVM) are gone: so its own function for that is what the C library calls first at exit,
-# after which the others find nothing to do. The last handler registered is the first called: all FMUs' are registered anew each
-# time. An import that fails would reach a host as "no instance" alone. Scripts of several versions may share their globals.
+# Imported once in a process for all instances and all copies of one version. An import that fails must say what to do.
 SCRIPT = """\
-import contextlib, ctypes, os, sys
+import os, sys
 
-ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 _resources = os.path.dirname(os.path.abspath(__file__))
 try:
     from {package}.{component}.fmu import {face} as _Face
 except ImportError as _error:
-    _text = (
-        f"{component}: this FMU cannot start in the Python of {{sys.prefix}}: {{_error}}. Remedy: put the Python that has its "
-        f"packages first on PATH (aeroslosh-launch does), or: python3 -m pip install -r '{{_resources}}/requirements.txt'"
-    )
-    print(_text, file=sys.stderr, flush=True)
-    raise ImportError(_text) from _error
+    raise ImportError(
+        f"this FMU cannot start in the Python of {{sys.prefix}}: {{_error}}. Remedy: set AEROSLOSH_PYTHON to the python3 that "
+        "has its packages, or where the host itself is a Python program: python3 -m pip install -r "
+        f"'{{_resources}}/requirements.txt'"
+    ) from _error
 
-{component} = sys.__dict__.setdefault("_fmu_classes", {{}}).get("{component}_{hash}")
-if {component} is None:
 
-    class {component}(_Face):
-        __doc__ = _Face.__doc__
-        version = "{version}"
-        content_hash = "{hash}"
+class {component}(_Face):
+    __doc__ = _Face.__doc__
+    version = "{version}"
+    content_hash = "{hash}"
 
-    sys.__dict__["_fmu_classes"]["{component}_{hash}"] = {component}
 
-if sys.platform == "linux":
-    _ends = sys.__dict__.setdefault("_fmu_ends", {{}})
-    with contextlib.suppress(OSError, AttributeError):
-        _library = os.path.join(os.path.dirname(_resources), "binaries", "linux64", "{component}.so")
-        _ends[_library] = ctypes.CDLL(_library, os.RTLD_NOLOAD | os.RTLD_NOW).finalizePythonInterpreter
-        for _end in _ends.values():
-            ctypes.CDLL(None).__cxa_atexit(_end, None, None)
+SLAVE = {component}
 """
 
 DESCRIBE = """
@@ -90,9 +76,8 @@ slave = getattr(module, sys.argv[3])(instance_name=sys.argv[3], resources=sys.ar
 sys.stdout.buffer.write(tostring(slave.to_xml(), encoding="UTF-8", xml_declaration=True))
 """
 
-# Ends with os._exit: pythonfmu 0.7 releases its interpreter state twice at process exit.
 CHECK = """
-import os, sys, tempfile
+import sys, tempfile
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
@@ -112,7 +97,7 @@ with tempfile.TemporaryDirectory(prefix="fmu_") as folder:
             problems.append(fmu.getString([v.valueReference])[0].decode())
     fmu.freeInstance()
 print(*problems, sep="\\n", flush=True)
-os._exit(1 if problems else 0)
+sys.exit(1 if problems else 0)
 """
 
 
@@ -141,11 +126,12 @@ def build(folder: Path, out: Path, *, check: bool = True, root: Path = ROOT) -> 
     entries["resources/slavemodule.txt"] = script.encode()
     entries["resources/requirements.txt"] = _requirements(files, component, root).encode()
     entries.update({f"resources/pythonfmu/{path.name}": path.read_bytes() for path in PYTHONFMU.glob("*.py")})
-    for platform, name in BINARIES.items():
-        binary = PYTHONFMU / "resources" / "binaries" / platform / name
-        entries[f"binaries/{platform}/{component}{binary.suffix}"] = binary.read_bytes()
+    entries[f"binaries/linux64/{component}.so"] = native.LIBRARY.read_bytes()
+    entries["resources/find_python.py"] = native.ASKED.read_bytes()
     entries["modelDescription.xml"] = _describe(entries, script, component)
-    entries.update(_documentation(folder, root, ElementTree.fromstring(entries["modelDescription.xml"])))
+    description = ElementTree.fromstring(entries["modelDescription.xml"])
+    entries["resources/guid.txt"] = description.attrib["guid"].encode()
+    entries.update(_documentation(folder, root, description))
 
     out.mkdir(parents=True, exist_ok=True)
     target = out / f"{component}.fmu"
@@ -161,6 +147,24 @@ def build(folder: Path, out: Path, *, check: bool = True, root: Path = ROOT) -> 
     finally:
         temporary.unlink(missing_ok=True)
     return target
+
+
+def install(fmu: Path, python: Path) -> None:
+    """Write into `fmu` the path of the `python` that it takes on this machine, where the host is no Python program itself.
+
+    It stands in resources/python.txt, goes with the file, and is passed over where there is no such path; what `build` writes has
+    none, and the same bytes everywhere. Replaces the file whole or not at all.
+    """
+    handle, name = tempfile.mkstemp(prefix=f".{fmu.stem}_", suffix=".fmu", dir=fmu.parent)
+    os.close(handle)
+    try:
+        with zipfile.ZipFile(fmu) as archive:
+            entries = {info.filename: archive.read(info) for info in archive.infolist()}
+        _write_zip(Path(name), entries | {"resources/python.txt": os.fsencode(python) + b"\n"})
+        Path(name).chmod(0o644)
+        os.replace(name, fmu)
+    finally:
+        Path(name).unlink(missing_ok=True)
 
 
 def script_text(folder: Path, digest: str, root: Path = ROOT) -> bytes:
@@ -284,6 +288,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m aeroslosh.fmus.build", description="Build FMUs from fmus/<component>/.")
     parser.add_argument("component", nargs="*", help="names of folders in fmus/; default: all that have a fmu.py")
     parser.add_argument("--out", type=Path, default=Path("dist/fmus"), help="folder for the .fmu files")
+    parser.add_argument("--portable", action="store_true", help="the same bytes on every machine: without this Python's path")
     options = parser.parse_args(arguments)
     known = components()
     failed = 0
@@ -293,7 +298,10 @@ def main(arguments: list[str] | None = None) -> int:
             failed += 1
             continue
         try:
-            print(build(known[name], options.out), flush=True)
+            made = build(known[name], options.out)
+            if not options.portable:
+                install(made, Path(os.path.abspath(sys.executable)))
+            print(made, flush=True)
         except BuildError as error:
             print(error, file=sys.stderr)
             failed += 1

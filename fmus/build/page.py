@@ -117,13 +117,13 @@ def _facts(description: Element) -> str:
         ["guid (names interface and sources)", f"<code>{description.get('guid')}</code>"],
         ["FMI", "2.0, co-simulation; " + ", ".join(f"<code>{flag}</code>" for flag in flags)],
         ["Default experiment", "0 to {stopTime} s, step {stepSize} s".format(**experiment.attrib)],
-        ["Platforms", "linux64 (glibc 2.32 or later), win64 (never run); no macOS, no arm64"],
+        ["Platforms", "linux64 (glibc 2.17 or later); no Windows, no macOS, no arm64"],
         ["Needs", "Python 3.11 or newer with the packages of <code>resources/requirements.txt</code>"],
         ["In a Python host (FMPy, libcosimpy, ecospy)", "nothing else"],
         [
             "In another host",
-            "<code>LD_PRELOAD</code> with that Python's libpython and its <code>bin</code> first on <code>PATH</code>; "
-            "<code>aeroslosh doctor</code> prints the line, <code>aeroslosh-launch HOST ARGS</code> sets it",
+            "nothing else where this machine's Python is found: <code>AEROSLOSH_PYTHON</code>, the one in "
+            "<code>resources/python.txt</code>, or <code>python3</code> on PATH; with its shared libpython",
         ],
         ["Reference result", "<code>documentation/reference/</code>: experiment.json, input.csv, output.csv"],
     ]  # fmt: skip

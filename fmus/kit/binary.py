@@ -1,13 +1,16 @@
-"""What pythonfmu's binary hands over that needs care: signed references, strings that are none, errors left pending."""
+"""Value references of one type, as a host hands them in: what is none says so, what comes again and again is remembered."""
 
 from __future__ import annotations
 
-import functools
-import gc
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from operator import itemgetter
+from typing import Any, TypeVar
 
 from .failure import StepError
+
+Found = TypeVar("Found")
+MOST = 64
+"""Sets of value references that are remembered."""
 
 
 class ByReference(dict[int, Any]):
@@ -17,32 +20,22 @@ class ByReference(dict[int, Any]):
         self.type = type_
 
     def __missing__(self, reference: int) -> Any:
-        # the binary hands references on as signed numbers
         raise StepError(
-            f"there is no {self.type} variable with value reference {reference & 0xFFFFFFFF}. "
+            f"there is no {self.type} variable with value reference {reference}. "
             "Remedy: take references and types from modelDescription.xml of this very FMU"
         )
 
 
-def check_strings(values: list[str]) -> None:
-    """Raise StepError where bytes were no UTF-8: the binary leaves a hole in the list, seen by the garbage collector alone."""
-    if len(gc.get_referents(values)) != len(values):
-        raise StepError("a string that was set is not encoded in UTF-8. Remedy: encode strings in UTF-8")
+def remember(table: dict[tuple[int, ...], Found], references: tuple[int, ...], found: Found) -> Found:
+    """Keep what was found for some references; return it."""
+    if len(table) >= MOST:
+        table.clear()
+    table[references] = found
+    return found
 
 
-def settled(method: Callable[..., Any]) -> property:
-    """Return `method` as a property that leaves no Python error pending.
-
-    Where a host sets a string that is not UTF-8 (a path in the code page of its machine), pythonfmu 0.7 asks for the method with
-    the error of decoding pending: the look-up of any method fails, which ends the process. A property of the leaf class is found
-    all the same, and an exception that is raised and caught takes the place of the one pending.
-    """
-
-    def look_up(slave: Any) -> Any:
-        try:
-            raise StepError
-        except BaseException:
-            pass
-        return functools.partial(method, slave)
-
-    return property(look_up)
+def taker(names: Sequence[str]) -> Callable[[dict[str, Any]], tuple[Any, ...]]:
+    """Return what takes the values of `names` out of a dictionary, as a tuple."""
+    if len(names) > 1:
+        return itemgetter(*names)
+    return lambda values: tuple(values[name] for name in names)

@@ -1,7 +1,6 @@
-"""How an FMU fails: no exception leaves a callback, the first cause is kept, the host can read it.
+"""How an FMU fails: no exception leaves a callback, the first cause is kept, the host gets a status and can read why.
 
-pythonfmu 0.7 releases an instance twice when a callback raises (the process then ends with signal 11), and of
-all callbacks only `fmi2DoStep` can return a status other than OK. See `slave` for what a host sees instead.
+The library hands on the statuses that callbacks return (native/fmi2.c says in what form). See `slave` for what a host sees.
 """
 
 from __future__ import annotations
@@ -19,6 +18,9 @@ FAILURE_OUTPUTS = (
     output("failed", "", "True once this instance has failed; its Real outputs are then NaN", type=bool),
     output("error", "", "What failed and the remedy, in one line; empty while all is well", type=str),
 )
+
+OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
+"""fmi2Status."""
 
 _REMEDY = (
     "Remedy: look at parameters, inputs and step size for values out of all proportion, restore an earlier state or reset; "
@@ -47,11 +49,11 @@ def guarded(fallback: Callable[..., Any]) -> Callable[[Callable[..., Any]], Call
     return decorate
 
 
-quiet = guarded(lambda *_: None)
+quiet = guarded(lambda *_: ERROR)
 
 
 def printable(text: str) -> str:
-    """Return `text` as the binary can encode it: half a surrogate pair it takes for a missing string."""
+    """Return `text` with what UTF-8 cannot encode, half a surrogate pair, as a question mark."""
     return text.encode(errors="replace").decode()
 
 
@@ -83,13 +85,22 @@ class Failing:
         except BaseException:  # a message must not end the process either
             self._failure = self._failure or "failed, and the message could not be made"
 
-    def refuse(self, name: str, problem: str) -> None:
-        """Note that a value for variable `name` is not applied."""
-        self._refused[name] = problem
-        self.report(problem)
+    def complain(self, text: str) -> None:
+        """Note a call that the library could not pass on, such as one with null pointers."""
+        try:
+            self._failure = self._failure or text
+            self.report(text)
+        except BaseException:
+            self._failure = self._failure or "failed, and the message could not be made"
 
-    def report(self, text: str) -> None:
-        """Send `text` to the FMI log with status error."""
+    def refuse(self, name: str, problem: str, status: int = DISCARD) -> int:
+        """Note that a value for variable `name` is not applied; return `status`."""
+        self._refused[name] = problem
+        self.report(problem, status)
+        return status
+
+    def report(self, text: str, status: int = ERROR) -> None:
+        """Send `text` to the FMI log."""
         # hosts print FMI log texts through printf
         text = printable(f"{self.instance_name}: {text}".replace("%", "%%"))  # type: ignore[attr-defined]
-        self.log(text, Fmi2Status.error)  # type: ignore[attr-defined]
+        self.log(text, Fmi2Status(status))  # type: ignore[attr-defined]

@@ -65,6 +65,21 @@ SLOSH_CONSTANT = {
     ),
     "liquid_stiffness": ("N/rad", "PitchStiffnessPerLength", "Pitch stiffness of the frozen liquid's weight"),
 }
+MASS_OF = ("tank_length", "tank_height", "tank_width", "fill_level", "liquid_density")
+PLACE = ("tank_x", "tank_y")
+CONSTANT_OF = {
+    "static_force_y": (*MASS_OF, "gravity"),
+    "static_moment": (*MASS_OF, "gravity", "tank_x"),
+    "liquid_mass": MASS_OF,
+    "liquid_static_moment": (*MASS_OF, "tank_x"),
+    "liquid_inertia": (*MASS_OF, *PLACE),
+    "liquid_stiffness": (*MASS_OF, "gravity", "tank_y"),
+}
+"""What the constants of the frozen liquid are made of."""
+ACCELERATED = ("h_ddot", "alpha", "alpha_dot", "alpha_ddot", "x_ddot")
+"""The motion that a liquid at rest in the tank feels."""
+GRAVITY_OF = (*ACCELERATED, "tank_height", "fill_level", *PLACE, "gravity")
+"""What the effective gravity at the liquid's centre is made of."""
 # name: (start, unit, quantity, text, least, most)
 TANK: dict[str, tuple[float, str, str, str, float | None, float | None]] = {
     "tank_length": (0.5, "m", "Length", "Length of the tank along the chord", 1e-6, None),
@@ -134,36 +149,35 @@ def frozen_liquid_parameters() -> tuple[Variable, ...]:
     )
 
 
-def motion_outputs(depends: Iterable[str] = (), acceleration_initially: Iterable[str] = ()) -> tuple[Variable, ...]:
-    """Return section motion as outputs (structure); initial accelerations depend on
-    `acceleration_initially`.
+def motion_outputs(depends: Mapping[str, Iterable[str]]) -> tuple[Variable, ...]:
+    """Return section motion as outputs (structure); `depends`: by name, what the initial value is made of."""
+    return _outputs(MOTION, depends)
+
+
+def aero_outputs(depends: Iterable[str], force: Iterable[str], arm: Iterable[str]) -> tuple[Variable, ...]:
+    """Return the aerodynamic loads lift, moment, C_L, C_M, C_D as outputs.
+
+    Their initial values are made of `depends`, of `force` those with a dimension, of `arm` those about the elastic axis.
     """
-    return tuple(
-        output(
-            name,
-            unit,
-            text,
-            quantity=quantity,
-            depends=depends,
-            depends_initially=acceleration_initially if name.endswith("_ddot") else None,
-        )
-        for name, (unit, quantity, text) in MOTION.items()
-    )
+    flow, size, axis = tuple(depends), tuple(force), tuple(arm)
+    own = {"lift": (*flow, *size), "moment": (*flow, *size, *axis), "C_L": flow, "C_M": (*flow, *axis), "C_D": flow}
+    return _outputs(AERO, own)
 
 
-def aero_outputs(
-    depends: Iterable[str] = tuple(MOTION),
-    depends_initially: Iterable[str] = ("h", "h_dot", "alpha", "alpha_dot"),
+def slosh_outputs(
+    loads: Iterable[str], gas: bool = False, more: Mapping[str, Iterable[str]] | None = None
 ) -> tuple[Variable, ...]:
-    """Return the aerodynamic loads lift, moment, C_L, C_M, C_D as outputs, functions of the end-of-step
-    motion.
+    """Return the slosh loads, whole and residual, and the constants of the frozen liquid, as outputs.
+
+    Args:
+        loads: parameters and inputs that the loads at the start are made of.
+        gas: the weight of the gas is in the static loads.
+        more: of some loads, by name, what else they are made of.
     """
-    return _outputs(AERO, depends, depends_initially)
-
-
-def slosh_outputs(depends: Iterable[str] = (*MOTION, *SURGE)) -> tuple[Variable, ...]:
-    """Return the slosh loads, whole and residual, and the constants of the frozen liquid, as outputs."""
-    return _outputs(SLOSH, depends, None) + _outputs(SLOSH_CONSTANT, (), None)
+    extra = more or {}
+    whole = {name: (*loads, *extra.get(name, ())) for name in SLOSH}
+    weight = {name: ("gas_density",) if gas and name.startswith("static_") else () for name in CONSTANT_OF}
+    return _outputs(SLOSH, whole) + _outputs(SLOSH_CONSTANT, {name: (*CONSTANT_OF[name], *weight[name]) for name in CONSTANT_OF})
 
 
 def _inputs(table: dict[str, tuple[str, str, str]], limits: Mapping[str, float] | None = None) -> tuple[Variable, ...]:
@@ -174,10 +188,5 @@ def _inputs(table: dict[str, tuple[str, str, str]], limits: Mapping[str, float] 
     )
 
 
-def _outputs(
-    table: dict[str, tuple[str, str, str]], depends: Iterable[str], initially: Iterable[str] | None
-) -> tuple[Variable, ...]:
-    return tuple(
-        output(n, unit, text, quantity=quantity, depends=depends, depends_initially=initially)
-        for n, (unit, quantity, text) in table.items()
-    )
+def _outputs(table: dict[str, tuple[str, str, str]], depends: Mapping[str, Iterable[str]]) -> tuple[Variable, ...]:
+    return tuple(output(n, unit, text, quantity=quantity, depends=depends[n]) for n, (unit, quantity, text) in table.items())

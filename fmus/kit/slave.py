@@ -12,29 +12,27 @@ A face subclasses `Slave`, lists its `variables` and writes a few short methods:
         def save(self): return {"y": self.y}   # by reference: never modify these arrays in place
         def restore(self, snapshot): self.y = snapshot["y"]
 
-Failure. pythonfmu releases an instance twice when a callback raises (the process ends), and only `fmi2DoStep`
-can return a status other than OK. So no exception leaves a callback: the traceback goes to the FMI log
-(status error), the Boolean output `failed` becomes true, the String output `error` holds the message in one
-line, Real outputs become NaN and every later `fmi2DoStep` returns fmi2Discard with the same message. A host
-that wants to know at once reads `failed` after leaving initialisation and after restoring a state from bytes.
-A refused value (not finite, outside its range, a fixed parameter after the start) is not applied and fails
-the same way until a valid value is set; any other failure, also a call that the standard forbids in the
-present mode, lasts until a good state is restored or the instance is reset.
+Failure. No exception leaves a callback: the call returns fmi2Error, the traceback goes to the FMI log, the Boolean output
+`failed` becomes true, the String output `error` holds the message in one line, Real outputs become NaN and every later
+`fmi2DoStep` returns fmi2Error with the same message. A value that is refused (not finite, outside its range) returns fmi2Discard
+from its fmi2Set, is not applied and fails the same way until a valid value is set; any other failure, also a call that the
+standard forbids in the present mode, lasts until a good state is restored or the instance is reset.
 """
 
 from __future__ import annotations
 
 import inspect
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 from xml.etree.ElementTree import Element
 
-from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Integer, Real, String
+from pythonfmu import Fmi2Slave
 
 from . import clock, xml
-from .binary import ByReference, check_strings, settled
-from .failure import FAILURE_OUTPUTS, Failing, StepError, guarded, printable, quiet
+from .binary import ByReference, remember, taker
+from .failure import ERROR, FAILURE_OUTPUTS, OK, Failing, StepError, guarded, printable, quiet
 from .prediction import SUFFIX, Extrapolator
 from .state import State, check
 from .variables import UNSET, Value, Variable
@@ -47,7 +45,6 @@ _WAY = {
     TERMINATED: "reset this instance to start anew, or restore a state",
 }
 """What is to be done next in a mode, for a host that asked for something else."""
-_REGISTER = {"Real": Real, "Integer": Integer, "Boolean": Boolean, "String": String}
 
 
 class Slave(Failing, Fmi2Slave):
@@ -58,6 +55,8 @@ class Slave(Failing, Fmi2Slave):
     content_hash: ClassVar[str] = ""  # "" where the face runs from the source tree
     stop_time: ClassVar[float] = 1.0  # default experiment [s]
     step_size: ClassVar[float] = 1e-3  # default experiment [s]
+    # of the default experiment, for tools that want one; the components' own parameters say how exact they are
+    experiment_tolerance: ClassVar[float] = 1e-4
 
     # -- what a component writes --
 
@@ -91,7 +90,6 @@ class Slave(Failing, Fmi2Slave):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        cls.set_string = settled(Slave.set_string)  # type: ignore[method-assign, assignment]
         names = [variable.name for variable in (*cls.variables, *FAILURE_OUTPUTS)]
         if twice := {name for name in names if names.count(name) > 1}:
             raise TypeError(f"{cls.__name__}: variables declared twice: {', '.join(sorted(twice))}")
@@ -110,11 +108,14 @@ class Slave(Failing, Fmi2Slave):
         # fixed parameters, in order
         self._fixed = {v.name: None for v in self.variables if v.causality == "parameter" and not v.tunable}
         self._prepared: tuple[Value, ...] | None = None  # the parameters that `prepare` ran for
-        self._references = {name: ByReference(name) for name in _REGISTER}
+        self._references = {name: ByReference(name) for name in UNSET}
         # what a step goes through, ready made: Real inputs with their ranges, names by reference, Real outputs
         self._ranges: dict[int, tuple[str, float, float]] = {}
-        self._names = {name: ByReference(name) for name in _REGISTER}
+        self._names = {name: ByReference(name) for name in UNSET}
         self._results: list[str] = []
+        # of Reals, by references: what takes their values out of the instance, and names and ranges of what is set
+        self._takers: dict[tuple[int, ...], Callable[[dict[str, Any]], tuple[Any, ...]]] = {}
+        self._plans: dict[tuple[int, ...], list[tuple[str, float, float]]] = {}
         # the variable that switches the prediction of inputs on, and what foretells them
         self._switch = next((variable.name for variable in self.variables if variable.name.endswith(SUFFIX)), "")
         self._ahead: Extrapolator | None = None
@@ -128,10 +129,9 @@ class Slave(Failing, Fmi2Slave):
             elif variable.type == "Real" and variable.causality == "output":
                 self._results.append(variable.name)
             setattr(self, variable.name, UNSET[variable.type] if variable.start is None else variable.start)
-            self.register_variable(
-                _REGISTER[variable.type](variable.name, causality=Fmi2Causality[variable.causality]),
-                nested=False,
-            )
+            # not through register_variable, whose getters hold the instance: it would live until the garbage collector comes
+            self.vars[reference] = variable
+        self._all_results = taker(self._results)
 
     @property
     def folder(self) -> Path:
@@ -150,27 +150,31 @@ class Slave(Failing, Fmi2Slave):
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """Return the model description (see `xml`)."""
         text = " ".join(inspect.cleandoc(_face(type(self)).__doc__ or "").split("\n\n")[0].split())
-        model = xml.Model(self.modelName, text, type(self).version, self.content_hash, self.stop_time, self.step_size)
+        model = xml.Model(
+            self.modelName, text, type(self).version, self.content_hash, self.stop_time, self.step_size, self.experiment_tolerance
+        )
         return xml.describe(model, self.declared, self.log_categories)
 
     # -- life cycle --
 
     @quiet
-    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
+    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> int:
         """Note the start time and, if given, the stop time [s]."""
         self._expect(CREATED, "set up an experiment")
         clock.check_experiment(start_time, stop_time)
         self.time = float(start_time)
         self._stop_time = math.inf if stop_time is None else float(stop_time)
+        return self._standing
 
     @quiet
-    def enter_initialization_mode(self) -> None:
+    def enter_initialization_mode(self) -> int:
         """Allow `initialize` to run, as soon as an output is asked for or initialisation ends."""
         self._expect(CREATED, "enter initialisation mode")
         self._mode, self._stale = INITIALIZING, True
+        return self._standing
 
     @quiet
-    def exit_initialization_mode(self) -> None:
+    def exit_initialization_mode(self) -> int:
         """Run `initialize` unless it ran for these values already; parameters are fixed from here on."""
         self._expect(INITIALIZING, "leave initialisation mode")
         if self._refused:
@@ -178,6 +182,12 @@ class Slave(Failing, Fmi2Slave):
         self._initialize()
         self._ahead = Extrapolator(self._inputs()) if self._switch and getattr(self, self._switch) else None
         self._mode = RUNNING
+        return self._standing
+
+    @property
+    def _standing(self) -> int:
+        """The status of a call that did its own work: fmi2Error where the instance has failed before."""
+        return ERROR if self._failure else OK
 
     def _expect(self, mode: str, wish: str) -> None:
         if self._mode != mode:
@@ -190,12 +200,12 @@ class Slave(Failing, Fmi2Slave):
             self.initialize()
             self._check_outputs()
 
-    @guarded(lambda *_: False)
-    def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance by one communication step [s]; False (fmi2Discard) where the instance has failed."""
-        if self.message:
+    @quiet
+    def do_step(self, current_time: float, step_size: float) -> int:
+        """Advance by one communication step [s]; True (fmi2OK), or fmi2Error where the instance has failed."""
+        if self._failure or self._refused:
             self.report(f"step refused at t = {current_time!r} s: {self.message}")
-            return False
+            return ERROR
         if self._mode != RUNNING:
             self._expect(RUNNING, "step")
         current_time, step_size, end = clock.step(self.time, self._last, self._stop_time, current_time, step_size)
@@ -236,6 +246,8 @@ class Slave(Failing, Fmi2Slave):
 
     def _check_outputs(self) -> None:
         values = self.__dict__
+        if math.isfinite(sum(self._all_results(values))):
+            return  # all are; where all are and their sum is not, each is looked at
         for name in self._results:
             if not math.isfinite(values[name]):
                 raise StepError(
@@ -244,27 +256,31 @@ class Slave(Failing, Fmi2Slave):
                 )
 
     @quiet
-    def terminate(self) -> None:
-        """End the run; outputs stay as they are."""
+    def terminate(self) -> int:
+        """End the run; outputs stay as they are. Allowed always: a host that gives up says so."""
         ran, self._mode = self._mode in (INITIALIZING, RUNNING), TERMINATED
         if ran:
             self.finish()
+        return OK
 
     # -- variables --
 
     @quiet
-    def _initialize_for(self, asked: list[Variable]) -> None:
+    def _initialize_for(self, asked: list[Variable]) -> int:
         """Run `initialize` where an output is asked for during initialisation."""
         if any(variable.causality == "output" and variable not in FAILURE_OUTPUTS for variable in asked):
             self._initialize()
+        return OK
 
-    def _get(self, type_: str, vrs: list[int]) -> list[Any]:
+    def _get(self, type_: str, vrs: Sequence[int], convert: Callable[[Any], Any]) -> Sequence[Any]:
+        """The values; a failure on the way stands behind them, as the status of this call."""
         declared, values = self._references[type_], self.__dict__
         if self._mode == RUNNING and not self._failure and not self._refused:
             names = self._names[type_]
-            return [values[names[vr]] for vr in vrs]
+            return [convert(values[names[vr]]) for vr in vrs]
+        status = OK
         if self._mode == INITIALIZING and self._stale:
-            self._initialize_for([declared[vr] for vr in vrs])
+            status = self._initialize_for([declared[vr] for vr in vrs])
         message = self.message
         result = []
         for vr in vrs:
@@ -272,82 +288,95 @@ class Slave(Failing, Fmi2Slave):
             value = values[variable.name]
             if message and variable.causality == "output":
                 value = {"failed": True, "error": message}.get(variable.name, UNSET[type_])
-            result.append(value)
-        return result
+            result.append(convert(value))
+        return result if status == OK else [*result, status]
 
-    @guarded(lambda vrs: [math.nan] * len(vrs))
-    def get_real(self, vrs: list[int]) -> list[float]:
+    @guarded(lambda vrs: [math.nan] * len(vrs) + [ERROR])
+    def get_real(self, vrs: Sequence[int]) -> Sequence[float]:
         """Return Reals by value reference; NaN for outputs of a failed instance."""
-        return [float(value) for value in self._get("Real", vrs)]
+        if self._mode == RUNNING and not self._failure and not self._refused and type(vrs) is tuple:
+            take = self._takers.get(vrs)
+            if take is None:
+                names = self._names["Real"]
+                take = remember(self._takers, vrs, taker([names[vr] for vr in vrs]))
+            return take(self.__dict__)
+        return self._get("Real", vrs, float)
 
-    @guarded(lambda vrs: [0] * len(vrs))
-    def get_integer(self, vrs: list[int]) -> list[int]:
+    @guarded(lambda vrs: [0] * len(vrs) + [ERROR])
+    def get_integer(self, vrs: Sequence[int]) -> Sequence[int]:
         """Return Integers by value reference."""
-        return [int(value) for value in self._get("Integer", vrs)]
+        return self._get("Integer", vrs, int)
 
-    @guarded(lambda vrs: [False] * len(vrs))
-    def get_boolean(self, vrs: list[int]) -> list[bool]:
+    @guarded(lambda vrs: [False] * len(vrs) + [ERROR])
+    def get_boolean(self, vrs: Sequence[int]) -> Sequence[bool]:
         """Return Booleans by value reference."""
-        return [bool(value) for value in self._get("Boolean", vrs)]
+        return self._get("Boolean", vrs, bool)
 
-    @guarded(lambda vrs: [""] * len(vrs))
-    def get_string(self, vrs: list[int]) -> list[str]:
+    @guarded(lambda vrs: [""] * len(vrs) + [ERROR])
+    def get_string(self, vrs: Sequence[int]) -> Sequence[str]:
         """Return Strings by value reference."""
-        return [printable(str(value)) for value in self._get("String", vrs)]
+        return self._get("String", vrs, lambda value: printable(str(value)))
 
-    def _set(self, type_: str, vrs: list[int], new: list[Value]) -> None:
-        declared, values = self._references[type_], self.__dict__
+    def _set(self, type_: str, vrs: Sequence[int], new: Sequence[Value]) -> int:
+        """Set what can be set; the worst status of all values."""
+        declared, values, worst = self._references[type_], self.__dict__, OK
         for vr, value in zip(vrs, new, strict=True):
             variable = declared[vr]
             name = variable.name
-            problem = variable.problem(value)
+            forbidden = ""
             if variable.causality == "output":
-                problem = f"output '{name}' cannot be set. Remedy: set parameters and inputs only"
+                forbidden = f"output '{name}' cannot be set. Remedy: set parameters and inputs only"
             elif self._mode == TERMINATED:
-                problem = f"{variable.causality} '{name}' set while terminated. Remedy: {_WAY[TERMINATED]}"
-            elif name in self._fixed and self._mode == RUNNING and value != values[name]:
-                problem = f"parameter '{name}' is fixed. Remedy: set it before initialisation ends"
-            if problem:
-                self.refuse(name, problem)
+                forbidden = f"{variable.causality} '{name}' set while terminated. Remedy: {_WAY[TERMINATED]}"
+            problem = variable.problem(value)
+            if not forbidden and not problem and name in self._fixed and self._mode == RUNNING and value != values[name]:
+                forbidden = f"parameter '{name}' is fixed. Remedy: set it before initialisation ends"
+            if forbidden:
+                worst = self.refuse(name, forbidden, ERROR)
+            elif problem:
+                worst = max(worst, self.refuse(name, problem))
             else:
                 values[name] = value
                 self._refused.pop(name, None)
         self._stale = True
+        return worst
 
     @quiet
-    def set_real(self, vrs: list[int], values: list[float]) -> None:
+    def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> int:
         """Set Reals by value reference; a value that is refused is not applied (see the module's text)."""
-        if self._mode == RUNNING and not self._refused:
-            own, ranges = self.__dict__, self._ranges
-            for vr, value in zip(vrs, values, strict=True):
-                name, low, high = ranges.get(vr, ("", 1.0, 0.0))
+        if self._mode == RUNNING and not self._refused and type(vrs) is tuple:
+            own, plan = self.__dict__, self._plans.get(vrs)
+            if plan is None:
+                plan = remember(self._plans, vrs, [self._ranges.get(vr, ("", 1.0, 0.0)) for vr in vrs])
+            for (name, low, high), value in zip(plan, values):  # noqa: B905  as many as there are references, by the library
                 if not low <= value <= high:  # not an input, not a number, out of range: the long way
                     break
                 own[name] = value
             else:
                 self._stale = True
-                return
-        self._set("Real", vrs, list(values))
+                return OK
+        return self._set("Real", vrs, values)
 
     @quiet
-    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+    def set_integer(self, vrs: Sequence[int], values: Sequence[int]) -> int:
         """Set Integers and enumerations by value reference."""
-        self._set("Integer", vrs, list(values))
+        return self._set("Integer", vrs, values)
 
     @quiet
-    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+    def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> int:
         """Set Booleans by value reference."""
-        self._set("Boolean", vrs, [bool(value) for value in values])
+        return self._set("Boolean", vrs, [bool(value) for value in values])
 
     @quiet
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Set Strings by value reference; a null pointer comes as None."""
-        check_strings(values)
-        self._set("String", vrs, list(values))
+    def set_string(self, vrs: Sequence[int], values: Sequence[Any]) -> int:
+        """Set Strings by value reference; a null pointer comes as None, what is not UTF-8 as bytes."""
+        if any(isinstance(value, bytes) for value in values):
+            raise StepError("a string that was set is not encoded in UTF-8. Remedy: encode strings in UTF-8")
+        return self._set("String", vrs, values)
 
     # -- state --
 
-    def _get_fmu_state(self) -> State:
+    def _get_fmu_state(self) -> State | None:
         try:
             values = self.__dict__
             internals = {
@@ -367,10 +396,10 @@ class Slave(Failing, Fmi2Slave):
             )
         except BaseException as exception:
             self.fail("get state", exception)
-            return State(type(self).__name__, self.content_hash, problem=self.message)
+            return None
 
     @quiet
-    def _set_fmu_state(self, state: State) -> None:
+    def _set_fmu_state(self, state: State) -> int:
         if not hasattr(state, "content_hash"):
             raise StepError("this is no state of an aeroslosh FMU. Remedy: give each FMU its own state")
         if state.problem:
@@ -384,6 +413,7 @@ class Slave(Failing, Fmi2Slave):
         if self._mode == RUNNING and not self._failure:
             self._prepare()
             self.restore(state.snapshot)
+        return OK
 
     @classmethod
     def _fmu_state_to_bytes(cls, state: State) -> bytes:

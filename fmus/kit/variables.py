@@ -33,8 +33,8 @@ class Variable:
         nominal: typical magnitude, or None.
         quantity: what is measured ("Length"), or "".
         items: of an enumeration, each item's name and description, numbered from 0.
-        depends: of an output, the inputs it depends on within one communication step (direct feed-through).
-        depends_initially: the same for its initial value.
+        depends: of an output, the parameters and inputs that its initial value is made of. There is no other dependency: an input
+            is read by the next step, and moves no output where the instance stands.
         tunable: whether a parameter may be set between steps.
     """
 
@@ -50,7 +50,6 @@ class Variable:
     quantity: str = ""
     items: tuple[tuple[str, str], ...] = ()
     depends: tuple[str, ...] = ()
-    depends_initially: tuple[str, ...] = ()
     tunable: bool = False
 
     def __post_init__(self) -> None:
@@ -155,18 +154,14 @@ def output(
     description: str,
     *,
     depends: Iterable[str] = (),
-    depends_initially: Iterable[str] | None = None,
     type: type = float,
     nominal: float | None = None,
     quantity: str = "",
 ) -> Variable:
     """Declare an output of Python `type` float, int, bool or str.
 
-    `depends` names the inputs that change it within the same communication step; `depends_initially` those
-    that change its initial value, the same ones unless given.
+    `depends` names the parameters and inputs that its initial value is made of: what `prepare` and `initialize` read for it.
     """
-    depends = tuple(depends)
-    initially = depends if depends_initially is None else tuple(depends_initially)
     return Variable(
         name,
         "output",
@@ -175,8 +170,7 @@ def output(
         unit=unit if type is float else "",
         nominal=nominal,
         quantity=quantity,
-        depends=depends,
-        depends_initially=initially,
+        depends=tuple(dict.fromkeys(depends)),
     )
 
 

@@ -17,9 +17,9 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from . import units
 from .variables import Value, Variable
 
-# What pythonfmu's binaries and the slave base class really do; nothing else is claimed.
+# What the library and the slave base class really do; nothing else is claimed.
 CAPABILITIES = {
-    "needsExecutionTool": "true",  # the machine's Python
+    "needsExecutionTool": "false",  # no tool is called: the library takes the machine's Python into the process
     "canHandleVariableCommunicationStepSize": "true",
     "canInterpolateInputs": "false",
     "maxOutputDerivativeOrder": "0",
@@ -42,6 +42,7 @@ class Model:
     content_hash: str
     stop_time: float
     step_size: float
+    tolerance: float
 
 
 def describe(model: Model, variables: Sequence[Variable], categories: Mapping[str, str]) -> Element:
@@ -55,7 +56,7 @@ def describe(model: Model, variables: Sequence[Variable], categories: Mapping[st
         description=model.description,
         version=model.version,
         license="MIT",
-        generationTool="aeroslosh fmus.kit with PythonFMU",
+        generationTool="aeroslosh fmus.kit",
         generationDateAndTime=_date(),
         variableNamingConvention="structured",
     )
@@ -71,6 +72,7 @@ def describe(model: Model, variables: Sequence[Variable], categories: Mapping[st
         startTime="0.0",
         stopTime=repr(model.stop_time),
         stepSize=repr(model.step_size),
+        tolerance=repr(model.tolerance),
     )
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
@@ -177,6 +179,7 @@ def _structure(root: Element, variables: Sequence[Variable]) -> None:
     for tag, initially in (("Outputs", False), ("InitialUnknowns", True)):
         listed = SubElement(structure, tag)
         for variable in outputs:
-            names = variable.depends_initially if initially else variable.depends
+            # between steps nothing that is set moves an output: it is what the last step, or the start, assigned
+            names = variable.depends if initially else ()
             places = " ".join(str(place) for place in sorted(index[name] for name in names))
             SubElement(listed, "Unknown", index=str(index[variable.name]), dependencies=places)

@@ -6,7 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.interfaces import (
+    ACCELERATED,
+    GRAVITY_OF,
+    MASS_OF,
+    MOTION,
+    PLACE,
+    SLOSH,
+    SURGE,
+    motion_inputs,
+    slosh_outputs,
+    surge_inputs,
+    tank_parameters,
+)  # fmt: skip
 from ..kit.prediction import prediction
 from ..kit.slave import Slave
 from ..kit.variables import choice, output, parameter
@@ -26,6 +38,8 @@ LIMITS = {
     "low": "They move with the tank: right far below their frequencies",
 }
 INPUTS = (*MOTION, *SURGE)
+LOADS = (*ACCELERATED, *MASS_OF, *PLACE, "gravity", "modes", "parametric")
+"""What the loads at the start are made of; force_y of all modes, the others also of what those left out do."""
 
 
 class SloshEms(Slave):
@@ -44,19 +58,18 @@ class SloshEms(Slave):
         prediction("motion"),
         *motion_inputs(),
         *surge_inputs(),
-        *slosh_outputs(),
+        *slosh_outputs(LOADS, more={name: ("limit",) for name in SLOSH if name != "force_y"}),
         output("effective_gravity", "m/s2", "Gravity less acceleration at the liquid's centre, along the tank's vertical",
-               quantity="Acceleration", depends=INPUTS),
+               quantity="Acceleration", depends=GRAVITY_OF),
         output("wave_height_west", "m", "Surface above its level at rest at the fore wall, tank axes", quantity="Length",
-               depends=INPUTS),
+               depends=("alpha", "tank_length")),
         output("wave_height_east", "m", "Surface above its level at rest at the aft wall, tank axes", quantity="Length",
-               depends=INPUTS),
+               depends=("alpha", "tank_length")),
         output("wave_energy", "J/m", "Energy of the waves, kinetic in tank axes and potential above the level surface",
-               depends=INPUTS),
+               depends=("alpha", *MASS_OF, "gravity", "modes", "parametric", "damping_ratio", "liquid_viscosity")),
         output("validity", "1", "Largest since the start: 0 fine, 1 at the edge of linear slosh, above: it does not hold",
-               depends=INPUTS),
-        output("parametric_resonance", "1", "Above 1 the changing gravity makes a wave grow (principal resonance)",
-               depends=INPUTS, depends_initially=()),
+               depends=("alpha", "tank_length", "tank_height", "fill_level")),
+        output("parametric_resonance", "1", "Above 1 the changing gravity makes a wave grow (principal resonance)"),
     )  # fmt: skip
 
     def prepare(self) -> None:

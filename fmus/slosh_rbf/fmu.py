@@ -7,7 +7,18 @@ from typing import Any
 import numpy as np
 
 from ..kit.failure import StepError
-from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.interfaces import (
+    ACCELERATED,
+    GRAVITY_OF,
+    MASS_OF,
+    MOTION,
+    PLACE,
+    SURGE,
+    motion_inputs,
+    slosh_outputs,
+    surge_inputs,
+    tank_parameters,
+)  # fmt: skip
 from ..kit.prediction import prediction
 from ..kit.slave import Slave
 from ..kit.variables import output, parameter
@@ -23,6 +34,8 @@ from .network import Network, NetworkError, untrained
 from .surrogate import Answer, State
 
 INPUTS = (*MOTION, *SURGE)
+SHAPE = ("alpha", "tank_length", "tank_height", "fill_level")
+"""Of tank and surface at the start."""
 EQUATIONS = {"ems": False, "bilinear": True}
 """Networks without weights: the base alone, linear or with products of gravity's change."""
 
@@ -39,20 +52,20 @@ class SloshRbf(Slave):
         prediction("motion"),
         *motion_inputs(),
         *surge_inputs(),
-        *slosh_outputs(),
-        output("extrapolation", "1", "Distance to the training data: 0 inside, 1 at their edge, above: outside", depends=INPUTS),
+        *slosh_outputs((*ACCELERATED, *MASS_OF, *PLACE, "gravity", "gas_density", "network"), gas=True),
+        output("extrapolation", "1", "Distance to the training data: 0 inside, 1 at their edge, above: outside",
+               depends=(*SHAPE, "network")),
         output("validity", "1", "Largest of unevenness/1.5, wave_growth/7, extrapolation, friction so far: above 1 it fails",
-               depends=INPUTS),
+               depends=(*SHAPE, "network", "gravity", "liquid_viscosity")),
         output("unevenness", "1", "Largest |g_n/g - 1| + (l/2)|alpha''|/g since the start: towards 1.5 surfaces break",
-               depends=INPUTS),
-        output("wave_growth", "1", "Logarithm of the growth of waves that gravity's changes feed (Faraday)", depends=INPUTS,
-               depends_initially=()),
+               depends=(*GRAVITY_OF, "tank_length")),
+        output("wave_growth", "1", "Logarithm of the growth of waves that gravity's changes feed (Faraday)"),
         output("effective_gravity", "m/s2", "Gravity less acceleration at the liquid's centre, along the tank's vertical",
-               quantity="Acceleration", depends=INPUTS),
+               quantity="Acceleration", depends=GRAVITY_OF),
         output("wave_height_west", "m", "Surface above its level at rest at the fore wall, linear waves", quantity="Length",
-               depends=INPUTS),
+               depends=("alpha", "tank_length")),
         output("wave_height_east", "m", "Surface above its level at rest at the aft wall, linear waves", quantity="Length",
-               depends=INPUTS),
+               depends=("alpha", "tank_length")),
     )  # fmt: skip
 
     def prepare(self) -> None:

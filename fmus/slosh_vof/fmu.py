@@ -5,7 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ..kit.interfaces import MOTION, SURGE, motion_inputs, slosh_outputs, surge_inputs, tank_parameters
+from ..kit.interfaces import (
+    ACCELERATED,
+    MOTION,
+    PLACE,
+    SURGE,
+    motion_inputs,
+    slosh_outputs,
+    surge_inputs,
+    tank_parameters,
+)  # fmt: skip
 from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import Variable, input_, output, parameter
@@ -23,8 +32,16 @@ LIMITS = {"h": 1e9, "h_dot": 1e6, "h_ddot": 1e5, "alpha": 1e6, "alpha_dot": 1e3,
 """Largest magnitudes of the inputs: no tank survives more. As ranges of the face, so that a good value cures a bad one."""
 
 
+GRID = ("cells_x", "cells_y", "baffle_count", "baffle_bottom", "baffle_top")
+SOLVED = (*ACCELERATED, "tank_length", "tank_height", "fill_level", *PLACE, "liquid_density", "gas_density", "gravity",
+          "surface_tension", "initial_wave", *GRID, "max_step", "tolerance")  # fmt: skip
+"""What the pressure at the start is made of."""
+SURFACE = ("alpha", "initial_wave", "cells_x", "tank_length")
+"""What the surface at the walls is made of at the start."""
+
+
 def _force(name: str, text: str) -> Variable:
-    return output(name, "N/m", text, quantity="ForcePerLength", depends=INPUTS)
+    return output(name, "N/m", text, quantity="ForcePerLength", depends=(*SOLVED, "tank_width"))
 
 
 class SloshVof(Slave):
@@ -52,21 +69,22 @@ class SloshVof(Slave):
         *motion_inputs(LIMITS),
         *surge_inputs(LIMITS),
         input_("write_fields", False, "", "Write the fields at the end of this step (or at the start)"),
-        *slosh_outputs(),
+        *slosh_outputs((*SOLVED, "tank_width"), gas=True),
         _force("force_x_tank", "Whole force along the tank, aft"),
         _force("force_y_tank", "Whole force along the tank's height, up"),
         _force("force_west", "Force of pressure on the west (fore) wall, along the tank, aft"),
         _force("force_east", "Force of pressure on the east (aft) wall, along the tank, aft"),
-        output("liquid_volume", "m3", "Volume of the liquid", quantity="Volume", depends=INPUTS),
+        output("liquid_volume", "m3", "Volume of the liquid", quantity="Volume",
+               depends=("fill_level", "tank_height", "tank_length", "tank_width")),
         output("wave_height_west", "m", "Liquid column at the west (fore) wall above the still level, tank axes",
-               quantity="Length", depends=INPUTS),
+               quantity="Length", depends=SURFACE),
         output("wave_height_east", "m", "Liquid column at the east (aft) wall above the still level, tank axes",
-               quantity="Length", depends=INPUTS),
-        output("time_step", "s", "Last internal step (0 at the start)", quantity="Time", depends=INPUTS, depends_initially=()),
-        output("steps", "", "Internal steps of the last communication step", type=int, depends=INPUTS, depends_initially=()),
-        output("iterations", "", "Iterations of the pressure in them", type=int, depends=INPUTS),
-        output("residual", "1", "Worst divergence left in them, over the tolerance's limit", depends=INPUTS),
-        output("converged", "", "Whether all of them met the tolerance", type=bool, depends=INPUTS),
+               quantity="Length", depends=SURFACE),
+        output("time_step", "s", "Last internal step (0 at the start)", quantity="Time"),
+        output("steps", "", "Internal steps of the last communication step", type=int),
+        output("iterations", "", "Iterations of the pressure in them", type=int, depends=SOLVED),
+        output("residual", "1", "Worst divergence left in them, over the tolerance's limit", depends=SOLVED),
+        output("converged", "", "Whether all of them met the tolerance", type=bool, depends=SOLVED),
     )  # fmt: skip
 
     def prepare(self) -> None:

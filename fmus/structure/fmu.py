@@ -15,6 +15,22 @@ from .protocol import ForcedPitch, Run
 from .section import Array, Section, SectionData
 
 LOADS = ("lift", "moment", "slosh_force_y", "slosh_moment")
+INITIAL = ("initial_h", "initial_alpha", "initial_h_dot", "initial_alpha_dot")
+FORCED = ("forced_amplitude", "forced_frequency", "forced_cycles", "forced_ramp_cycles")
+LIQUID = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
+BODY = ("mass", "static_imbalance", "inertia", "omega_h", "omega_alpha", *LIQUID)
+ACCELERATION = (
+    *BODY, "damping_ratio_h", "damping_ratio_alpha", *INITIAL, "forced_cycles", "trim_lift", "trim_moment", *LOADS
+)  # fmt: skip
+# what the motion at the start is made of
+STARTS = {
+    "h": ("initial_h",),
+    "h_dot": ("initial_h_dot",),
+    "h_ddot": ACCELERATION,
+    "alpha": ("initial_alpha",),
+    "alpha_dot": ("initial_alpha_dot", *FORCED),
+    "alpha_ddot": ACCELERATION,
+}
 FREE = "; needs forced_cycles = 0"
 DEGREE = 0.017453292519943295
 
@@ -46,9 +62,14 @@ class Structure(Slave):
         parameter("trim_moment", 0.0, "N", "Moment held by the trim, taken off the input moment"),
         prediction("load"),
         *wing_load_inputs(),
-        *motion_outputs(acceleration_initially=LOADS),
-        output("released", "", "True from the release on", type=bool),
-        output("energy", "J/m", "Kinetic and strain energy of the section, frozen liquid included"),
+        *motion_outputs(STARTS),
+        output("released", "", "True from the release on", type=bool, depends=("forced_cycles",)),
+        output(
+            "energy",
+            "J/m",
+            "Kinetic and strain energy of the section, frozen liquid included",
+            depends=(*BODY, *INITIAL, *FORCED),
+        ),
     )
 
     def prepare(self) -> None:

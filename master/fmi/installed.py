@@ -41,7 +41,7 @@ def ensure(place: Path) -> None:
         place.parent.mkdir(parents=True, exist_ok=True)
         hidden = Path(tempfile.mkdtemp(prefix=".fmus_", dir=place.parent))
         for component in archive.components().values():
-            archive.build(component, hidden)
+            archive.install(archive.build(component, hidden), Path(sys.executable))
         hidden.chmod(0o755)
         try:
             hidden.rename(place)

@@ -18,8 +18,7 @@ from ..fmi import unpack
 from . import hosting
 from .finding import Finding, ok, problem, warning
 
-GLIBC = (2, 32)  # of pythonfmu's linux64 binary (__libc_single_threaded)
-PLAIN = re.compile(r"[A-Za-z0-9_.~/\\: -]+")  # any other character of a path is %XX in a URI; pythonfmu 0.7 decodes %20 alone
+GLIBC = (2, 17)  # what the FMUs' library is compiled for
 LITTLE = 200e6  # bytes free on a disk below which a folder is worth a warning
 REQUIREMENT = re.compile(r"[A-Za-z0-9][\w.-]*\s*(\[[^\]]*\])?\s*([<>=!~;].*)?")  # a name, and perhaps versions
 
@@ -43,7 +42,7 @@ def python() -> list[Finding]:
 
 
 def libpython() -> list[Finding]:
-    """The shared library that a host which is not Python must be started with."""
+    """The shared library that a host which is no Python program takes into its process."""
     library = hosting.libpython()
     if library is None:
         text = "no shared library of this Python: hosts that are no Python programs cannot run the FMUs; Python hosts can"
@@ -53,7 +52,7 @@ def libpython() -> list[Finding]:
     line = hosting.line(library)
     return [
         ok("libpython", str(library), library=str(library)),
-        ok("other hosts", f"aeroslosh-launch HOST ARGS, or: {line}", line=line),
+        ok("other hosts", f"need nothing; a host whose FMU finds no Python: aeroslosh-launch HOST ARGS, or: {line}", line=line),
     ]
 
 
@@ -66,23 +65,15 @@ def system() -> list[Finding]:
     if name == "Linux" and machine == "x86_64":
         if libc == "glibc" and tuple(int(n) for n in re.findall(r"\d+", version)[:2]) >= GLIBC:
             return [ok("platform", text, **values)]
-        remedy = f"use a distribution with glibc {GLIBC[0]}.{GLIBC[1]} or newer (Debian 11, Ubuntu 22.04; not Alpine)"
+        remedy = f"use a distribution with glibc {GLIBC[0]}.{GLIBC[1]} or newer (any of the last ten years; not Alpine)"
         return [problem("platform", text, remedy, **values)]
-    if name == "Windows" and machine.upper() == "AMD64":
-        return [warning("platform", text, "the FMUs hold a win64 binary, but nobody has tried it: tell what you see", **values)]
-    return [problem("platform", text, "the FMUs hold linux64 and win64 binaries alone: use Linux on x86-64", **values)]
+    return [problem("platform", text, "the FMUs hold a library for linux64 alone: use Linux on x86-64", **values)]
 
 
 def folders() -> list[Finding]:
-    """Folders that must be writable, and whether the temporary one has a name that pythonfmu can read."""
+    """Folders that must be writable."""
     found = []
     temporary = tempfile.gettempdir()
-    if not PLAIN.fullmatch(temporary):
-        odd = "".join(sorted(set(re.sub(PLAIN, "", temporary))))
-        text = (
-            f"the temporary folder {temporary} holds {odd!r}: a host that unzips an FMU there crashes (pythonfmu reads %20 alone)"
-        )
-        found.append(warning("folders", text, "set TMPDIR to a folder of ASCII letters, digits and ._-"))
     places: list[tuple[str, Callable[[], Path]]] = [
         ("temporary", lambda: Path(temporary)),
         ("unzipped FMUs", unpack.cache_root),

@@ -1,9 +1,8 @@
-"""What a program that is not Python needs to run our FMUs: libpython in the process, and this Python first on PATH.
+"""The way of last resort for a program that is not Python: libpython in the process, and this Python first on PATH.
 
-The FMUs' binary (pythonfmu's) is not linked with libpython, so that one file serves every Python: it finds the interpreter's
-symbols in the process. A Python program has them; any other must be started with libpython preloaded. The interpreter then looks
-for its packages beside the first `python3` on PATH: a virtual environment there is honoured, PYTHONHOME is not the way.
-Standard library only: the launcher imports this and nothing else.
+Our FMUs find their Python themselves (docs/hosts.md); where they do not, or where FMUs of others need it, a host can be started
+with libpython preloaded. An FMU then takes the first `python3` on PATH that fits: a virtual environment there is honoured,
+PYTHONHOME is not the way. Standard library only: the launcher imports this and nothing else.
 """
 
 from __future__ import annotations

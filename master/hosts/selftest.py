@@ -21,6 +21,7 @@ import numpy as np
 from ..base.errors import AeroSloshError, ComponentError
 from ..base.paths import PLACE
 from ..fmi.component import Component
+from . import bare
 from . import reference as references
 from .finding import Finding, ok, problem
 
@@ -122,9 +123,14 @@ def reference(subject: Subject) -> list[Finding]:
     return [ok(subject.name, text, reference_difference=worst.found)]
 
 
+def other_hosts(subject: Subject) -> list[Finding]:
+    """In a program that is no Python, with an empty environment, as most tools are started."""
+    return bare.findings(subject.name, subject.instances[0].folder)
+
+
 # What is done to each FMU, in this order: a function that gets the Subject and returns findings, or raises AeroSloshError, which
 # becomes one. `runs` comes first.
-CHECKS: tuple[Callable[[Subject], list[Finding]], ...] = (runs, second_instance, state, reference)
+CHECKS: tuple[Callable[[Subject], list[Finding]], ...] = (runs, second_instance, state, reference, other_hosts)
 
 
 def examine(path: Path) -> list[Finding]:
@@ -137,7 +143,7 @@ def examine(path: Path) -> list[Finding]:
             text = " ".join(error.what.split())
             trace = error.traceback if isinstance(error, ComponentError) else ""
             found.append(problem(subject.name, text, error.remedy or f"see {error.where}", log=trace))
-        if found[-1].level == "problem":
+        if found and found[-1].level == "problem":
             break
     return found
 
@@ -177,7 +183,7 @@ def main() -> None:
     """One FMU, from the command line: findings as one line of JSON."""
     found = examine(Path(sys.argv[1]))
     print(json.dumps(found), flush=True)
-    os._exit(0)  # pythonfmu's wrapper releases its interpreter state twice at a normal exit, which can abort
+    os._exit(0)  # an FMU of another make may not survive an ordinary end
 
 
 if __name__ == "__main__":

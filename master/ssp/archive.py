@@ -6,7 +6,8 @@ Source: SSP 1.0 (Modelica Association Project SSP, 2019, https://ssp-standard.or
 - an enumeration's value is written as the Integer which FMI 2.0 sets it by: ssv:Enumeration ends libcosim and ecos;
 - a text equal to the FMU's own start value is left out: FMPy's simulator sets no texts;
 - connectors are the Real outputs and the wired inputs: FMPy takes an input connector without connection for another one's;
-- SSP 1.0 has no place for a step: it stands in libcosim's annotation, in ours, and in the description.
+- SSP 1.0 has no place for a step: it stands in the annotations of libcosim and of OMSimulator, in ours, and in the description;
+- OMSimulator looks at the system's first annotation alone, and takes no archive with annotations at the top: ours is the second.
 
 The same system gives the same bytes.
 """
@@ -32,12 +33,13 @@ SPACES = {
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
     "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
     "aeroslosh": "urn:aeroslosh:ssp",
 }
 SET = "initialValues"  # name of every parameter set
 KINDS = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean", "String": "String"}
 DATE = (1980, 1, 1, 0, 0, 0)
-for _prefix, _uri in SPACES.items():  # libcosim and ecos look for the prefixes, not for the namespaces
+for _prefix, _uri in SPACES.items():  # libcosim, ecos and OMSimulator look for the prefixes, not for the namespaces
     ET.register_namespace(_prefix, _uri)
 
 
@@ -87,12 +89,20 @@ def _description(coupled: Coupled, units: Mapping[str, ssp_units.Base]) -> ET.El
         for wire in coupled.wires:
             (a, _, x), (b, _, y) = wire.source.partition("."), wire.target.partition(".")
             _add(connections, "ssd", "Connection", startElement=a, startConnector=x, endElement=b, endConnector=y)
+    _annotations(_add(system, "ssd", "Annotations"), coupled)
     _units(root, "ssd", units)
     experiment = _add(root, "ssd", "DefaultExperiment", startTime=repr(coupled.start), stopTime=repr(coupled.stop))
     place = _annotation(_add(experiment, "ssd", "Annotations"), "com.opensimulationplatform")
     _add(_add(place, "osp", "Algorithm"), "osp", "FixedStepAlgorithm", baseStepSize=repr(_not_cut_short(coupled.dt)))
+    return root
+
+
+def _annotations(annotations: ET.Element, coupled: Coupled) -> None:
+    """What OMSimulator asks for, and where the archive comes from."""
+    steps = _add(_annotation(annotations, "org.openmodelica"), "oms", "SimulationInformation")
+    _add(steps, "oms", "FixedStepMaster", description="oms-ma", stepSize=repr(coupled.dt), relativeTolerance="0.0001")
     export = _add(
-        _annotation(_add(root, "ssd", "Annotations"), "aeroslosh"),
+        _annotation(annotations, "aeroslosh"),
         "aeroslosh",
         "Export",
         step=repr(coupled.dt),
@@ -103,7 +113,6 @@ def _description(coupled: Coupled, units: Mapping[str, ssp_units.Base]) -> ET.El
     )
     for part in coupled.parts:
         _add(export, "aeroslosh", "Fmu", component=part.name, sha256=part.sha256)
-    return root
 
 
 def _component(elements: ET.Element, part: Part, coupled: Coupled, units: Mapping[str, ssp_units.Base]) -> None:

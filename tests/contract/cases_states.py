@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 from cheap import PARAMETERS, STEP, drive, march, start_up, started
-from raw import DISCARD, OK, Raw
+from raw import DISCARD, ERROR, OK, Raw
 
 CHECKSUM = 32
 
@@ -65,7 +65,7 @@ def go_on(one: Raw, mode: str, wanted: list[str]) -> None:
     if mode in ("created", "initializing"):
         assert one.leave() == OK
     if mode == "terminated":
-        assert one.step(2 * STEP, STEP) == DISCARD
+        assert one.step(2 * STEP, STEP) == ERROR
         one.assert_failed("while terminated")
     else:
         first = 2 if mode == "stepped" else 0
@@ -155,11 +155,11 @@ def case_a_failed_state_tells_its_failure_where_it_is_set(folder: str) -> None:
     for state in (bad, one.unpack(one.pack(bad))):
         assert one.take(state) == OK
         one.assert_failed("stands at 0.0 s")
-        assert one.step(0.0, STEP) == DISCARD
+        assert one.step(0.0, STEP) == ERROR
         assert one.take(good) == OK
         one.assert_well()
     name = one.named("input", "Real")[0].name
-    one[name] = float("inf")
+    assert one.put(name, float("inf")) == DISCARD
     refused = one.unpack(one.pack(one.state()))
     assert one.take(good) == OK
     assert one.take(refused) == OK
@@ -189,9 +189,9 @@ def case_damaged_bytes_are_refused(folder: str) -> None:
     ]
     bad += [signed(packed[:18] + size.to_bytes(8, "little") + packed[26:-CHECKSUM]) for size in (0, 1, 2**63, n, n - 59)]
     for data in bad:
-        assert one.take(one.unpack(data)) == OK  # pythonfmu returns no other status here
+        assert one.take(one.unpack(data)) == ERROR
         one.assert_failed("state")
-        assert one.step(2 * STEP, STEP) == DISCARD
+        assert one.step(2 * STEP, STEP) == ERROR
         assert one.take(state) == OK
         one.assert_well()
     assert march(one, 2, 2) == wanted
@@ -217,7 +217,7 @@ def case_states_of_another_version_are_refused(folder: str) -> None:
     ):
         text = json.dumps({**header, **change}).encode()
         data = signed(packed[:18] + len(text).to_bytes(8, "little") + text + packed[26 + size : -CHECKSUM])
-        assert one.take(one.unpack(data)) == OK
+        assert one.take(one.unpack(data)) == ERROR
         one.assert_failed(words)
         assert one.take(state) == OK
         assert march(one, 2, 2) == wanted, change
@@ -233,13 +233,13 @@ def case_states_of_another_fmu_are_refused(folder: str, folders: dict[str, str])
             continue
         other = started(folders[name], "other")
         state = other.state()
-        for foreign in (state, one.unpack(other.pack(state))):
-            assert one.take(foreign) == OK
-            one.assert_failed(f"belongs to FMU '{name}'")
+        for foreign, words in ((state, "there is no such state"), (one.unpack(other.pack(state)), f"belongs to FMU '{name}'")):
+            assert one.take(foreign) == ERROR
+            one.assert_failed(words)
             assert one.take(own) == OK
             assert march(one, 2, 2) == wanted
-        assert other.take(own) == OK
-        other.assert_failed("belongs to FMU")
+        assert other.take(own) == ERROR
+        other.assert_failed("there is no such state")
 
 
 def case_bytes_resume_in_a_new_process_to_the_bit(folder: str) -> None:

@@ -23,7 +23,7 @@ from cheap import PARAMETERS, STEP
 from hypothesis import HealthCheck, Phase, seed, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule, run_state_machine_as_test
-from raw import DISCARD, OK, Raw, bits, kind
+from raw import DISCARD, ERROR, OK, Raw, bits, kind
 
 FOLDER = sys.argv[1] if len(sys.argv) > 1 else ""
 # what makes a run slow, or reads and writes files
@@ -76,12 +76,14 @@ class Contract(RuleBasedStateMachine):
 
     def _set(self, name: str, value: Any) -> None:
         print(f"set {name} = {value!r}", flush=True)
-        self.one[name] = value
+        status = self.one.put(name, value)
         model, variable = self.model, self.variables[name]
         low, high = bounds(variable) if kind(variable) in ("Real", "Integer") else (0, 0)
         bad = kind(variable) in ("Real", "Integer") and not (low <= value <= high and math.isfinite(value))
         fixed = variable.causality == "parameter" and model.mode == "running" and value != model.values[name]
-        if bad or fixed or model.mode == "terminated":
+        forbidden = (fixed and not bad) or model.mode == "terminated"
+        assert status == (ERROR if forbidden else DISCARD if bad else OK)
+        if bad or forbidden:
             self._change(refused=model.refused | {name})
         else:
             self._change(refused=model.refused - {name}, values={**model.values, name: value})
@@ -168,9 +170,10 @@ class Contract(RuleBasedStateMachine):
         """Fails until a state or a reset."""
         print(f"unknown {reference} {type_} {get}", flush=True)
         if get:
-            self.one.get(type_, [reference])
+            status, _ = self.one.get(type_, [reference])
         else:
-            self.one.set(type_, [reference], [{"Real": 0.5, "String": b"\xff"}.get(type_, 1)])
+            status = self.one.set(type_, [reference], [{"Real": 0.5, "String": b"\xff"}.get(type_, 1)])
+        assert status == ERROR
         self._must_fail()
 
     @rule()
@@ -190,7 +193,8 @@ class Contract(RuleBasedStateMachine):
         """Allowed before initialisation mode."""
         stop = None if steps is None else start + 1.5 * steps * STEP
         print(f"set up {start} {stop}", flush=True)
-        assert self.one.setup(start, stop) == OK
+        good = self.model.mode == "created" and not self.model.failed
+        assert self.one.setup(start, stop) == (OK if good else ERROR)
         if self.model.mode == "created":
             self._change(time=start)
             self.stop = math.inf if stop is None else stop
@@ -201,7 +205,7 @@ class Contract(RuleBasedStateMachine):
     def enter(self) -> None:
         """Allowed once."""
         print("enter", flush=True)
-        assert self.one.enter() == OK
+        assert self.one.enter() == (OK if self.model.mode == "created" and not self.model.failed else ERROR)
         if self.model.mode == "created":
             self._change(mode="initializing")
         else:
@@ -211,28 +215,31 @@ class Contract(RuleBasedStateMachine):
     def leave(self) -> None:
         """Allowed after `enter`, and where nothing was refused."""
         print("leave", flush=True)
-        assert self.one.leave() == OK
+        status = self.one.leave()
         if self.model.mode == "initializing" and not self.model.refused:
             if self.model.failed:
+                assert status == ERROR
                 self._change(mode="running")
             else:
                 self._may_fail()
+                assert status == (ERROR if self.model.failed else OK)
                 if not self.model.failed:
                     self._change(mode="running", past=(dict(self.model.values),), shown=bits(self.one.outputs()))
         else:
+            assert status == ERROR
             self._must_fail()
 
     @rule(size=st.sampled_from([STEP, STEP, 0.5 * STEP, 3 * STEP]), before=st.booleans())
     def step(self, size: float, before: bool) -> None:
-        """OK or discarded, and then failed."""
+        """OK, or an error, and then failed."""
         print(f"step {self.model.time} {size}", flush=True)
         model = self.model
         status = self.one.step(model.time, size, before)
         end = model.time + size
         if model.failed or model.refused:
-            assert status == DISCARD
+            assert status == ERROR
         elif model.mode != "running" or end > self.stop + 0.1 * STEP:
-            assert status == DISCARD
+            assert status == ERROR
             self._must_fail()
         elif status == OK:
             used = tuple((name, model.values[name]) for name in self.inputs)
@@ -240,7 +247,7 @@ class Contract(RuleBasedStateMachine):
             if self.restored:
                 self._replay()
         else:
-            assert status == DISCARD and self.one.failed
+            assert status == ERROR and self.one.failed
             self._may_fail()
 
     @rule(
@@ -250,7 +257,7 @@ class Contract(RuleBasedStateMachine):
     def step_of_no_use(self, size: float, shift: float) -> None:
         """A bad size, or a good one from another time."""
         print(f"bad step {self.model.time} + {shift} {size}", flush=True)
-        assert self.one.step(self.model.time + (shift if size == STEP else 0.0), size) == DISCARD
+        assert self.one.step(self.model.time + (shift if size == STEP else 0.0), size) == ERROR
         if not self.model.refused and not self.model.failed:
             self._must_fail()
 
@@ -300,9 +307,8 @@ class Contract(RuleBasedStateMachine):
         place = data.draw(st.integers(0, len(packed) - 1))
         cut = data.draw(st.booleans())
         print(f"damaged state {place} {cut}", flush=True)
-        self.one.take(
-            self.one.unpack(packed[:place] if cut else packed[:place] + bytes([packed[place] ^ 4]) + packed[place + 1 :])
-        )
+        damaged = packed[:place] if cut else packed[:place] + bytes([packed[place] ^ 4]) + packed[place + 1 :]
+        assert self.one.take(self.one.unpack(damaged)) == ERROR
         self._must_fail()
 
     @precondition(lambda self: self.states)

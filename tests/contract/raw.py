@@ -126,9 +126,13 @@ class Raw:
         assert status == OK, f"get {name}: status {status}"
         return value.decode() if isinstance(value, bytes) else value
 
-    def __setitem__(self, name: str, value: Any) -> None:
+    def put(self, name: str, value: Any) -> int:
+        """Set one variable; the status."""
         variable = self.variables[name]
-        status = self.set(kind(variable), [variable.valueReference], [value.encode() if isinstance(value, str) else value])
+        return self.set(kind(variable), [variable.valueReference], [value.encode() if isinstance(value, str) else value])
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        status = self.put(name, value)
         assert status == OK, f"set {name}: status {status}"
 
     def outputs(self) -> list[float]:

@@ -1,8 +1,7 @@
 """Run the `case_*` functions of a module on one FMU: `python runner.py <module> <json: component -> unzip folder> <component>`.
 
 Prints one line a case: `>name` before it, then its name and, in JSON, what went wrong ("" if nothing). A signal ends the process
-there and is seen by who started it; a case that hangs ends it with a traceback of every thread. Ends with `os._exit`: pythonfmu
-releases its interpreter state twice at process exit.
+there and is seen by who started it; a case that hangs ends it with a traceback of every thread.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import faulthandler
 import importlib
 import inspect
 import json
-import os
 import sys
 import traceback
 import warnings
@@ -52,4 +50,3 @@ def compile_kernels(folder: str) -> None:
 
 if __name__ == "__main__":
     main(sys.argv[1], json.loads(sys.argv[2]), sys.argv[3])
-    os._exit(0)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from aeroslosh.fmus.kit.failure import ERROR
 from aeroslosh.fmus.kit.interfaces import SLOSH, SLOSH_CONSTANT
 from aeroslosh.fmus.slosh_ems.fmu import SloshEms
 from aeroslosh.fmus.tank.frozen import Load, residual_load
@@ -165,4 +166,4 @@ def test_refusals_name_the_cause_and_the_remedy(values: dict[str, Any], words: s
     tank = started(**values)
     assert words in tank.message
     assert "Remedy" in tank.message
-    assert not tank.do_step(0.0, 1e-3)
+    assert tank.do_step(0.0, 1e-3) == ERROR

@@ -11,11 +11,11 @@ from xml.etree import ElementTree
 import pytest
 from fmpy.validation import validate_fmu
 
-from aeroslosh.fmus.build.archive import BuildError, build
+from aeroslosh.fmus.build.archive import BuildError, build, install
 from support.paths import COMPONENTS
 
 FAULTY, KERNELS = COMPONENTS / "faulty", COMPONENTS / "kernels"
-DISCARD = 2
+ERROR = 3  # fmi2Error
 Fmu = Callable[[str | Path], Path]
 Host = Callable[..., Any]
 
@@ -39,7 +39,7 @@ def test_description_has_no_problems(fmu: Fmu, component: str | Path) -> None:
 def test_failure_in_a_step_reaches_the_host_and_a_state_cures_it(fmu: Fmu, host: Host, kind: int, words: str) -> None:
     seen = host("fault", str(fmu(FAULTY)), kind)
     assert seen["good"] == [0]
-    assert seen["bad"] == [DISCARD, DISCARD, 0]
+    assert seen["bad"] == [ERROR, ERROR, 0]
     assert not seen["seen"]["after_start"]
     assert seen["seen"]["failed"] is True
     assert words in seen["seen"]["error"]
@@ -64,7 +64,7 @@ def test_failure_in_a_state_function_is_seen(fmu: Fmu, host: Host, kind: int, wo
     seen = host("state_faults", str(fmu(FAULTY)), kind)
     assert seen["failed"] is True
     assert words in seen["error"]
-    assert seen["status"] == DISCARD
+    assert seen["status"] == ERROR
 
 
 def test_refused_values(fmu: Fmu, host: Host) -> None:
@@ -80,18 +80,18 @@ def test_refused_values(fmu: Fmu, host: Host) -> None:
         before, failed, error, status, y = seen[case]
         assert words in before, case
         assert words in error, case
-        assert (failed, status, y) == (True, DISCARD, "nan"), case
+        assert (failed, status, y) == (True, ERROR, "nan"), case
     value, status, error = seen["input"]
-    assert (value, status) == (0.0, DISCARD)  # not applied
+    assert (value, status) == (0.0, ERROR)  # not applied
     assert "input 'u' = nan" in error
     assert seen["input again"] == [0, False, 2.0]
-    assert seen["late"][0] == DISCARD
+    assert seen["late"][0] == ERROR
     assert "parameter 'gain' is fixed" in seen["late"][1]
     assert seen["numbers"] == [2.0, 3, "text"]
 
 
 def test_reset_cures_a_failure(fmu: Fmu, host: Host) -> None:
-    assert host("reset", str(fmu(FAULTY))) == {"statuses": [DISCARD, 0], "y": 2.0, "failed": False}
+    assert host("reset", str(fmu(FAULTY))) == {"statuses": [ERROR, 0], "y": 2.0, "failed": False}
 
 
 def test_two_hundred_instances_in_one_process(fmu: Fmu, host: Host) -> None:
@@ -111,9 +111,18 @@ def test_two_versions_in_one_process(fmu: Fmu, host: Host, tmp_path: Path) -> No
     assert "Remedy" in seen["error"]
 
 
-def test_the_same_sources_build_the_same_bytes(fmu: Fmu, tmp_path: Path) -> None:
-    again = build(FAULTY, tmp_path, check=False)
-    assert again.read_bytes() == fmu(FAULTY).read_bytes()
+def test_the_same_sources_build_the_same_bytes(tmp_path: Path) -> None:
+    once, again = (build(FAULTY, tmp_path / folder, check=False) for folder in ("once", "again"))
+    built = again.read_bytes()
+    assert built == once.read_bytes()
+    install(once, Path("/opt/a python/bin/python3"))
+    with zipfile.ZipFile(once) as archive, zipfile.ZipFile(again) as plain:
+        members = set(archive.namelist())
+        assert members - set(plain.namelist()) == {"resources/python.txt"}  # the path of a Python, and nothing else, is added
+        assert all(archive.read(name) == plain.read(name) for name in plain.namelist())
+        assert archive.read("resources/python.txt") == b"/opt/a python/bin/python3\n"
+    install(again, Path("/opt/a python/bin/python3"))
+    assert again.read_bytes() == once.read_bytes()
     with zipfile.ZipFile(again) as archive:
         assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         modes = {info.filename: info.external_attr >> 16 & 0o777 for info in archive.infolist()}

@@ -21,7 +21,7 @@ from aeroslosh.master.base import vtk
 
 Fmu = Callable[[str], Path]
 Host = Callable[..., Any]
-DISCARD = 2
+ERROR = 3  # fmi2Error
 BOX = {"cells_x": 32, "cells_y": 16}
 LOADS = ["force_x", "force_y", "moment"]
 RESIDUAL = [f"{name}_residual" for name in LOADS]
@@ -236,7 +236,7 @@ def test_bad_parameters_are_clear_errors(fmu: Fmu, host: Host) -> None:
     seen = host("vof_bad_starts", str(fmu("slosh_vof")), [values for values, _ in cases])
     for (values, words), one in zip(cases, seen, strict=True):
         assert one["failed"] is True, values
-        assert one["status"] == DISCARD
+        assert one["status"] == ERROR
         for word in words:
             assert word in one["error"], one["error"]
 
@@ -252,7 +252,7 @@ def test_inputs_no_tank_survives_are_refused_and_the_instance_lives_on(fmu: Fmu,
     ]
     seen = host("vof_bad_inputs", str(fmu("slosh_vof")), [case[:2] for case in cases])
     for (_, _, what, remedy), one in zip(cases, seen["seen"], strict=True):
-        assert one["status"] == DISCARD
+        assert one["status"] == ERROR
         assert what in one["error"]
         assert remedy in one["error"]
         assert one["force_x"] == "nan"
@@ -265,7 +265,7 @@ def test_inputs_no_tank_survives_are_refused_and_the_instance_lives_on(fmu: Fmu,
 def test_fields_are_written_on_request(fmu: Fmu, host: Host, tmp_path: Path) -> None:
     seen = host("vof_fields", str(fmu("slosh_vof")), str(tmp_path / "fields"))
     assert seen["files"] == ["fields_000000.vts", "fields_000002.vts"]
-    assert seen["status"] == DISCARD
+    assert seen["status"] == ERROR
     assert "field_folder" in seen["error"]
     start, later = (vtk.read(tmp_path / "fields" / name) for name in seen["files"])
     assert start.whole["TimeValue"] == [0.0]

@@ -15,7 +15,7 @@ import pytest
 from host_jobs import ROOT, clean
 
 from aeroslosh.fmus.kit import cache
-from aeroslosh.master.hosts import doctor, hosting
+from aeroslosh.master.hosts import bare, doctor, hosting
 
 
 def run(*words: str, code: int, **environment: str) -> dict[str, Any]:
@@ -59,6 +59,22 @@ def test_all_well(fmu: Callable[[str], Path], tmp_path: Path) -> None:
     about = {key: value for row in result["findings"] if row["topic"] == "structure" for key, value in row.items()}
     assert about["ready_seconds"] > 0.0 and about["step_seconds"] > 0.0 and about["state_bytes"] > 500
     assert sum(row["topic"] == "structure" for row in result["findings"]) >= 3
+
+
+def test_which_python_a_host_will_find(fmu: Callable[[str], Path], tmp_path: Path) -> None:
+    """The one that the FMU was installed with, tried in a program that is no Python; without it, what that program was told."""
+    shutil.copy(fmu("structure"), tmp_path)
+    result = run("--fmus", str(tmp_path), code=0)
+    (found,) = [row for row in result["findings"] if row["topic"] == "structure" and "host_python" in row]
+    assert found["level"] == "ok" and found["host_python"].startswith(f"{sys.executable} 3.")
+    folder = tmp_path / "unzipped"
+    with zipfile.ZipFile(fmu("structure")) as archive:
+        archive.extractall(folder)
+    (folder / "resources" / "python.txt").unlink()
+    (told,) = bare.findings("structure", folder, {"PATH": "/nowhere"})
+    assert told.level == "warning" and "no Python for this FMU" in told.text and "AEROSLOSH_PYTHON" in told.remedy
+    (folder / "resources" / "find_python.py").unlink()
+    assert bare.findings("structure", folder) == []  # an FMU of another make
 
 
 def test_fmus_that_crash_fail_and_lie(fmu: Callable[[str], Path], tmp_path: Path) -> None:
@@ -116,13 +132,13 @@ def test_version_ranges(wanted: str, version: str, allowed: bool) -> None:
 
 
 def test_folders(tmp_path: Path) -> None:
-    """No FMUs, a temporary folder that pythonfmu cannot read, caches that cannot be written."""
+    """No FMUs, an odd temporary folder, which is nobody's trouble, caches that cannot be written."""
     odd = tmp_path / "50% #é"
     odd.mkdir()
     result = run("--fmus", str(tmp_path / "none"), code=2, TMPDIR=str(odd), XDG_CACHE_HOME="/dev/null", PYTHONHOME="")
     assert "make fmus" in topics(result, "problem")["FMUs"]
     warnings = topics(result, "warning")
-    assert "TMPDIR" in warnings["folders"] and "#" in warnings["folders"]
+    assert "50% #é" not in warnings.get("folders", "")
     assert "/dev/null/aeroslosh" in warnings["compiled"] and "XDG_CACHE_HOME" in warnings["compiled"]
 
 

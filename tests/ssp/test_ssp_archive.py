@@ -150,7 +150,13 @@ def test_step_and_origin(coupled: Coupled) -> None:
     assert float(experiment.get("stopTime", "")) == pytest.approx(2.25 * s.period, rel=0.01)
     algorithm = next(root.iter(f"{NS['osp']}FixedStepAlgorithm"))
     assert float(algorithm.get("baseStepSize", "")) == pytest.approx(coupled.dt, rel=1e-14)
-    export = next(root.iter(f"{NS['aeroslosh']}Export"))
+    assert root.find(f"{NS['ssd']}Annotations") is None  # OMSimulator refuses it there
+    first, second = root.findall(f"{NS['ssd']}System/{NS['ssd']}Annotations/{NS['ssc']}Annotation")
+    assert (first.get("type"), second.get("type")) == ("org.openmodelica", "aeroslosh")
+    master = first.find(f"{NS['oms']}SimulationInformation/{NS['oms']}FixedStepMaster")
+    assert master is not None and (master.get("description"), float(master.get("stepSize", ""))) == ("oms-ma", coupled.dt)
+    assert b"<oms:FixedStepMaster " in content["SystemStructure.ssd"]  # it looks for the prefix
+    export = next(second.iter(f"{NS['aeroslosh']}Export"))
     assert float(export.get("step", "")) == coupled.dt and int(export.get("steps", "")) == coupled.steps
     assert export.get("settings_sha256") == hashlib.sha256(content["extra/aeroslosh/settings.toml"]).hexdigest()
     hashes = {fmu.get("component"): fmu.get("sha256") for fmu in export}

@@ -56,21 +56,30 @@ class Instance:
         setter = {"Real": self.fmu.setReal, "Boolean": self.fmu.setBoolean, "String": self.fmu.setString}.get(
             variable.type, self.fmu.setInteger
         )
-        setter(reference, [value])
+        self._note(setter, reference, [value])
 
     def start(self, **values: Any) -> Instance:
         """Set `values`, go through initialisation."""
         for name, value in values.items():
             self[name] = value
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
+        self._note(self.fmu.setupExperiment, startTime=0.0)
+        self._note(self.fmu.enterInitializationMode)
+        self._note(self.fmu.exitInitializationMode)
         return self
+
+    def take(self, state: Any) -> int:
+        """Set a state and return the FMI status."""
+        return self._note(self.fmu.setFMUstate, state)
 
     def step(self, time: float, step_size: float) -> int:
         """Step and return the FMI status."""
+        return self._note(self.fmu.doStep, time, step_size)
+
+    def _note(self, call: Any, *arguments: Any, **more: Any) -> int:
+        """The status of a call, which a host should look at and this one only keeps, in `last`: a scenario looks at `failed`."""
         try:
-            self.fmu.doStep(time, step_size)
+            call(*arguments, **more)
+            self.last = 0
         except FMICallException as error:
-            return int(error.status)
-        return 0
+            self.last = int(error.status)
+        return self.last

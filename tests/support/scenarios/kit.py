@@ -7,6 +7,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+from fmpy.fmi1 import FMICallException
+
 from aeroslosh.master.hosts import reference as references
 
 from ..instance import LOG, Instance
@@ -18,12 +20,12 @@ def fault(path: str, kind: int) -> Any:
     one["u"] = 1.0
     statuses = [one.step(0.0, 0.1)]
     good = one.fmu.getFMUstate()
-    bad = Instance(path).start(fault=kind)
+    bad = Instance(path, folder=one.folder).start(fault=kind)  # a state belongs to the library that gave it
     after_start = bad["failed"]
     bad_statuses = [bad.step(0.0, 0.1), bad.step(0.1, 0.1)]
     gc.collect()
     seen = {"failed": bad["failed"], "error": bad["error"], "y": bad["y"], "after_start": after_start}
-    bad.fmu.setFMUstate(good)
+    bad.take(good)
     recovered = {"failed": bad["failed"], "error": bad["error"], "y": bad["y"]}
     bad["u"] = 1.0
     bad_statuses.append(bad.step(0.1, 0.1))
@@ -40,11 +42,12 @@ def state_faults(path: str, kind: int) -> Any:
     """Take, restore and serialise a state with a face that fails in it."""
     one = Instance(path).start(fault=kind)
     one.step(0.0, 0.1)
-    state = one.fmu.getFMUstate()
-    data = one.fmu.serializeFMUstate(state)
-    again = one.fmu.deSerializeFMUstate(data)
-    one.fmu.setFMUstate(again)
-    return {"failed": one["failed"], "error": one["error"], "status": one.step(0.1, 0.1)}
+    status = 0
+    try:
+        status = one.take(one.fmu.deSerializeFMUstate(one.fmu.serializeFMUstate(one.fmu.getFMUstate())))
+    except FMICallException as error:
+        status = int(error.status)
+    return {"failed": one["failed"], "error": one["error"], "status": status, "next": one.step(0.1, 0.1)}
 
 
 def refused(path: str) -> Any:
@@ -96,7 +99,7 @@ def two_versions(first: str, second: str) -> Any:
     two.step(0.0, 0.1)
     state = one.fmu.getFMUstate()
     data = one.fmu.serializeFMUstate(state)
-    two.fmu.setFMUstate(two.fmu.deSerializeFMUstate(data))
+    two.take(two.fmu.deSerializeFMUstate(data))
     return {"y": [one["y"]], "failed": two["failed"], "error": two["error"]}
 
 
@@ -148,7 +151,7 @@ def predicted(path: str, switch: str, values: dict[str, Any], names: list[str], 
                 file.write(ahead.fmu.serializeFMUstate(ahead.fmu.getFMUstate()))
             resumed = Instance(path, "resumed").start(**values)
             with open(keep, "rb") as file:
-                resumed.fmu.setFMUstate(resumed.fmu.deSerializeFMUstate(file.read()))
+                resumed.take(resumed.fmu.deSerializeFMUstate(file.read()))
     return rows
 
 

@@ -52,7 +52,7 @@ def slosh_rollback(path: str, values: dict[str, Any], step_size: float, keep: st
     with open(keep, "wb") as file:
         file.write(tank.fmu.serializeFMUstate(state))
     first = _slosh_rows(tank, 20, 60, step_size)
-    tank.fmu.setFMUstate(state)
+    tank.take(state)
     return {"first": first, "second": _slosh_rows(tank, 20, 60, step_size)}
 
 
@@ -60,7 +60,7 @@ def slosh_resume(path: str, step_size: float, kept: str) -> Any:
     """Continue from a file's bytes in a new process, in an instance that was never started with these parameters."""
     tank = Instance(path).start()
     with open(kept, "rb") as file:
-        tank.fmu.setFMUstate(tank.fmu.deSerializeFMUstate(file.read()))
+        tank.take(tank.fmu.deSerializeFMUstate(file.read()))
     assert not tank["failed"], tank["error"]
     return _slosh_rows(tank, 20, 60, step_size)
 

@@ -35,7 +35,7 @@ def vof_rollback(path: str, values: dict[str, Any], step_size: float, keep: str)
         file.write(tank.fmu.serializeFMUstate(state))
     runs = [_vof_rows(tank, 10, 30, step_size)]
     for _ in range(2):
-        tank.fmu.setFMUstate(state)
+        tank.take(state)
         now = [tank[name].hex() for name in VOF_OUTPUTS]
         runs.append(_vof_rows(tank, 10, 30, step_size))
     return {"before": before, "now": now, "runs": runs}
@@ -45,7 +45,7 @@ def vof_resume(path: str, step_size: float, kept: str) -> Any:
     """Continue from a file's bytes in a new process, in an instance that was never started with these parameters."""
     tank = Instance(path).start(**BOX)
     with open(kept, "rb") as file:
-        tank.fmu.setFMUstate(tank.fmu.deSerializeFMUstate(file.read()))
+        tank.take(tank.fmu.deSerializeFMUstate(file.read()))
     assert not tank["failed"], tank["error"]
     return _vof_rows(tank, 10, 30, step_size)
 

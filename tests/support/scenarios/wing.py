@@ -33,7 +33,7 @@ def rollback(path: str) -> Any:
     state = wing.fmu.getFMUstate()
     data = wing.fmu.serializeFMUstate(state)
     first = _drive(wing, 20, 60)
-    wing.fmu.setFMUstate(state)
+    wing.take(state)
     second = _drive(wing, 20, 60)
     wing.fmu.freeFMUstate(state)
     return {
@@ -49,7 +49,7 @@ def resume(path: str, data: str) -> Any:
     """Continue from bytes in a new process, in an instance that was never started with these parameters."""
     wing = Instance(path).start()
     state = wing.fmu.deSerializeFMUstate(bytes.fromhex(data))
-    wing.fmu.setFMUstate(state)
+    wing.take(state)
     assert not wing["failed"], wing["error"]
     return _drive(wing, 20, 60)
 
@@ -59,7 +59,7 @@ def damaged(path: str, data: str) -> Any:
     wing = Instance(path).start()
     raw = bytearray(bytes.fromhex(data))
     raw[len(raw) // 2] ^= 1
-    wing.fmu.setFMUstate(wing.fmu.deSerializeFMUstate(bytes(raw)))
+    wing.take(wing.fmu.deSerializeFMUstate(bytes(raw)))
     return {"failed": wing["failed"], "error": wing["error"], "h": str(wing["h"])}
 
 
@@ -93,7 +93,7 @@ def aero_rollback(path: str, step_size: float, keep: str) -> Any:
     state = flow.fmu.getFMUstate()
     data = flow.fmu.serializeFMUstate(state)
     first = _pitch(flow, 4, 12, step_size)
-    flow.fmu.setFMUstate(state)
+    flow.take(state)
     with open(keep, "wb") as file:
         file.write(data)
     return {"first": first, "second": _pitch(flow, 4, 12, step_size)}
@@ -103,7 +103,7 @@ def aero_resume(path: str, step_size: float, kept: str) -> Any:
     """Continue from a file's bytes in a new process."""
     flow = Instance(path).start(**COARSE)
     with open(kept, "rb") as file:
-        flow.fmu.setFMUstate(flow.fmu.deSerializeFMUstate(file.read()))
+        flow.take(flow.fmu.deSerializeFMUstate(file.read()))
     assert not flow["failed"], flow["error"]
     return _pitch(flow, 4, 12, step_size)
 

@@ -22,7 +22,7 @@ class Faulty(Slave):
         parameter("count", 3, "", "An integer with a range", min=1, max=5),
         parameter("label", "text", "", "A string"),
         input_("u", 0.0, "m", "What is added up"),
-        output("y", "m", "Sum", depends=("u",)),
+        output("y", "m", "Sum", depends=("gain",)),
     )
 
     @property
