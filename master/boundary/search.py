@@ -7,6 +7,7 @@ import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 
 from ..analysis.crossings import Crossing, Sample
 from ..analysis.damping import Fit, Mode
@@ -26,16 +27,34 @@ Marcher = Callable[[float], March]  # V_f → march
 Strategy = Callable[[Marcher, float, float, float | None], "BoundaryPoint"]  # marcher, Mach, guess of V_f, of dσ/dV_f
 
 
+class State(StrEnum):
+    """What marches made of a crossing of the linear model; the words of the JSON result."""
+
+    CONFIRMED = "confirmed"
+    CONTRADICTED = "contradicted"
+    NOT_MARCHED = "not marched"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where a search looks: V_f from `low` to `high`, to the relative `tolerance`, with `max_marches` at most."""
+
+    low: float
+    high: float
+    tolerance: float
+    max_marches: int
+
+
 @dataclass(frozen=True)
 class Prediction:
     """A crossing of the linear model and what marches said of it.
 
-    state    "confirmed", "contradicted" or "not marched"
+    state    what became of it
     marched  the crossing confirmed; `text` says it in words
     """
 
     crossing: LinearCrossing
-    state: str = "not marched"
+    state: State = State.NOT_MARCHED
     marched: Crossing | None = None
     text: str = ""
 
@@ -90,23 +109,21 @@ def search(
     marcher: Marcher,
     mach: float,
     guess: float,
-    low: float,
-    high: float,
-    tolerance: float,
-    max_marches: int,
+    limits: Limits,
     slope: float | None = None,
     done: list[March] | None = None,
     take: Callable[[March], Sample] = sample,
 ) -> BoundaryPoint:
-    """Find a neutral V_f at `mach` in [low, high], starting from `guess`, with the dσ/dV_f `slope` if it is known.
+    """Find a neutral V_f at `mach` within `limits`, starting from `guess`, with the dσ/dV_f `slope` if it is known.
 
     `done`: marches made before at this Mach number; `take` reads a growth rate out of a march. Every march is kept, and
     every crossing among them reported."""
     begin = clock.perf_counter()
     marches = list(done or [])
     failure: ComponentError | None = None
+    low, high, tolerance = limits.low, limits.high, limits.tolerance
     guess = min(max(guess, low), high)
-    while len(marches) < max_marches:
+    while len(marches) < limits.max_marches:
         target = propose([take(m) for m in marches], guess, low, high, tolerance, slope)
         if target is None:
             break
@@ -130,9 +147,7 @@ def boundary(
     marcher_at: Callable[[float], tuple[Marcher, Callable[[], None]]],
     machs: list[float],
     guess: float,
-    V_f_range: tuple[float, float],
-    tolerance: float,
-    max_marches: int,
+    limits: Limits,
     on_point: Callable[[BoundaryPoint], None] = lambda point: None,
     strategy: Strategy | None = None,
 ) -> list[BoundaryPoint]:
@@ -163,7 +178,7 @@ def boundary(
                 if strategy is not None:
                     point = strategy(noted, mach, start, slope)
                 else:
-                    point = search(noted, mach, start, V_f_range[0], V_f_range[1], tolerance, max_marches, slope)
+                    point = search(noted, mach, start, limits, slope)
             finally:
                 close()
         except Exception as error:

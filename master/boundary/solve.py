@@ -12,7 +12,7 @@ from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
 from . import strategy as boundary_strategy
-from .search import BoundaryPoint, Marcher, boundary
+from .search import BoundaryPoint, Limits, Marcher, boundary
 
 
 def solve(
@@ -53,6 +53,5 @@ def solve(
 
     b = case.boundary
     strategy = boundary_strategy.Confirm(case, setups.__getitem__, open_setup, say, b.method == "both")
-    return boundary(
-        marcher_at, b.mach, case.flutter.V_f, (b.V_f_range[0], b.V_f_range[1]), b.tolerance, b.max_marches, found, strategy
-    )
+    limits = Limits(b.V_f_range[0], b.V_f_range[1], b.tolerance, b.max_marches)
+    return boundary(marcher_at, b.mach, case.flutter.V_f, limits, found, strategy)

@@ -24,7 +24,7 @@ from ..flutter.setup import FlutterSetup
 from ..linear import model as linear_model
 from ..linear.model import LinearCrossing, LinearModel
 from . import static_strategy
-from .search import VAGUE, BoundaryPoint, Marcher, Prediction, oscillation_std, outcome_text, sample, search
+from .search import VAGUE, BoundaryPoint, Limits, Marcher, Prediction, State, oscillation_std, outcome_text, sample, search
 from .static_strategy import growing_sample
 from .uncertainty import Spread
 
@@ -87,7 +87,7 @@ class Confirm:
         """Marches alone, from `guess`; `done` are marches made before."""
         b, begin = self.case.boundary, clock.perf_counter()
         low, high = b.V_f_range
-        point = search(marcher, mach, guess, low, high, b.tolerance, b.max_marches, slope, done)
+        point = search(marcher, mach, guess, Limits(low, high, b.tolerance, b.max_marches), slope, done)
         point.divergence = self._divergence(mach)
         if low <= point.divergence <= high:
             self._add_divergence(point, marcher)
@@ -145,7 +145,7 @@ class Confirm:
         for c in expected:
             hidden = _hidden(c, model)
             if hidden:
-                predictions.append(Prediction(c, "not marched", None, hidden))
+                predictions.append(Prediction(c, State.NOT_MARCHED, None, hidden))
                 found.append(_as_crossing(c))
                 continue
             if c.kind == "divergence":
@@ -162,7 +162,7 @@ class Confirm:
 
             near = [m for m in marches if abs(m.scales.V_f / c.V_f - 1.0) < SHARED and take(m).known]
             most = len(near) + max(3, b.max_marches // 2)
-            part = search(marcher, mach, c.V_f, low, high, b.tolerance, most, c.slope, near, take)
+            part = search(marcher, mach, c.V_f, Limits(low, high, b.tolerance, most), c.slope, near, take)
             marches += part.marches[len(near) :]
             samples += part.samples[len(near) :]
             failure = part.failure or failure
@@ -175,7 +175,7 @@ class Confirm:
             found += [] if marched is None else [marched]
         found.sort(key=lambda x: x.V_f)
         text = outcome_text(found, samples, b.V_f_range[0], b.V_f_range[1], len(marches), failure)
-        text = "; ".join([text, *[p.text for p in predictions if p.text and p.state != "confirmed"]])
+        text = "; ".join([text, *[p.text for p in predictions if p.text and p.state is not State.CONFIRMED]])
         sure = any(x.source == "march" for x in found) and all(x.met for x in _bounding(found))
         return BoundaryPoint(mach, found, samples, text, sure, marches, 0.0, failure, model, predictions, checks)
 
@@ -280,21 +280,21 @@ def _prediction(c: LinearCrossing, marched: Crossing | None, part: BoundaryPoint
     """What marches said of `c`, in words."""
     said = f"linear {c.name} at V_f = {c.V_f:.4f} (sweeps of {model.amplitude_deg:g}°)"
     if marched is not None:
-        return Prediction(c, "confirmed", marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
+        return Prediction(c, State.CONFIRMED, marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
     known = [s for s in part.samples if s.known]
     if not known:
-        return Prediction(c, "contradicted", None, f"{said} not confirmed: no march there gave this mode's growth rate")
+        return Prediction(c, State.CONTRADICTED, None, f"{said} not confirmed: no march there gave this mode's growth rate")
     span = f"V_f {min(s.V_f for s in known):.4f} to {max(s.V_f for s in known):.4f}"
     rates = f"{min(s.growth_rate for s in known):+.4f} to {max(s.growth_rate for s in known):+.4f}"
-    return Prediction(c, "contradicted", None, f"{said} not confirmed by marches: growth rate {rates} over {span}")
+    return Prediction(c, State.CONTRADICTED, None, f"{said} not confirmed by marches: growth rate {rates} over {span}")
 
 
 def _static_prediction(c: LinearCrossing, marched: Crossing | None, why: str) -> Prediction:
     """What marches said of the divergence `c`, in words."""
     said = f"divergence at V_f = {c.V_f:.4f} (steady slopes)"
     if marched is None:
-        return Prediction(c, "contradicted", None, f"{said} not confirmed: {why}")
-    return Prediction(c, "confirmed", marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
+        return Prediction(c, State.CONTRADICTED, None, f"{said} not confirmed: {why}")
+    return Prediction(c, State.CONFIRMED, marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
 
 
 def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:

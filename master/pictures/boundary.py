@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..boundary.next_march import Crossing
-from ..boundary.search import BoundaryPoint
+from ..boundary.search import BoundaryPoint, State
 from ..case.fuel_tank import LABEL, holds
 from ..linear.model import LinearCrossing
 from ..results import trust
@@ -88,7 +88,7 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
         if doubtful:
             style = {"color": RED, "ms": 11, "mew": 1.6, "zorder": 5}
             top.plot(*zip(*doubtful, strict=True), "x", label="slosh model does not hold: undetermined", **style)
-        missed = [(p.mach, q.crossing.V_f) for p in points for q in p.predictions if q.state == "contradicted"]
+        missed = [(p.mach, q.crossing.V_f) for p in points for q in p.predictions if q.state is State.CONTRADICTED]
         if missed:
             top.plot(*zip(*missed, strict=True), "x", color=RED, ms=6, label="linear, not confirmed", zorder=3)
         for direction, color in COLORS.items():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import hankel2
 
-from aeroslosh.master.boundary.search import search
+from aeroslosh.master.boundary.search import Limits, search
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march
@@ -94,7 +94,7 @@ def test_neutral_V_f_marched(plate_fmus: Path, plates: dict[float, Path], mach: 
     settings.flow.airfoil = str(plates[mach])
     settings.flutter.steps_per_cycle = 288
     with FlutterSetup(settings, find_fmus(plate_fmus, model), mach) as setup:
-        point = search(lambda V_f: march.march(setup, V_f), mach, DRY[mach], 0.5, 3.0, 0.003, 12)
+        point = search(lambda V_f: march.march(setup, V_f), mach, DRY[mach], Limits(0.5, 3.0, 0.003, 12))
     print(f"\nMach {mach}, {model}: V_f {point.outcome}", end="")
     assert point.converged and point.marches[0].slosh == model
     [found] = point.crossings

@@ -11,7 +11,7 @@ import pytest
 
 from aeroslosh.master.analysis.crossings import Crossing
 from aeroslosh.master.base.errors import AeroSloshError
-from aeroslosh.master.boundary.search import BoundaryPoint, sample, search
+from aeroslosh.master.boundary.search import BoundaryPoint, Limits, sample, search
 from aeroslosh.master.boundary.strategy import Confirm
 from aeroslosh.master.boundary.uncertainty import Spread
 from aeroslosh.master.case.case import Case
@@ -102,7 +102,7 @@ def test_a_part_that_cannot_be_had_is_named(flutter_fmus: Path) -> None:
         raise AeroSloshError("The steady flow did not converge")
 
     with FlutterSetup(case, found, MACH) as setup:
-        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.3, 1.0, 3.0, 0.005, 6)
+        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.3, Limits(1.0, 3.0, 0.005, 6))
         said: list[str] = []
         [crossing] = point.crossings
         wide = Spread(case, MACH, setup, no_rig, sample, said.append).widened(crossing, point.marches)

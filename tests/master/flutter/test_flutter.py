@@ -9,7 +9,7 @@ import pytest
 
 from aeroslosh.master.analysis.verdict import Verdict
 from aeroslosh.master.base.errors import AeroSloshError
-from aeroslosh.master.boundary.search import boundary, search
+from aeroslosh.master.boundary.search import Limits, boundary, search
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
@@ -110,7 +110,7 @@ def test_neutral_V_f_is_the_eigenvalue_s(fmus: dict[str, Path]) -> None:
     expected = theory.neutral(case, MACH, 1.5, 3.0)
     assert expected == pytest.approx(2.373, rel=0.01)  # Theodorsen's function; ours is Jones's approximation of it
     with FlutterSetup(case, fmus, MACH) as setup:
-        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.2, 0.5, 3.0, 0.005, 12)
+        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 2.2, Limits(0.5, 3.0, 0.005, 12))
     assert point.converged and len(point.crossings) == 1
     found = point.crossings[0]
     assert found.V_f == pytest.approx(expected, rel=1e-3)
@@ -127,7 +127,7 @@ def test_boundary_hands_the_guess_on(fmus: dict[str, Path]) -> None:
         setup = FlutterSetup(case, fmus, mach)
         return (lambda V_f: flutter_march.march(setup, V_f)), setup.close
 
-    points = boundary(marcher_at, [0.3, 0.32], 2.0, (0.5, 3.0), 0.005, 12)  # type: ignore[arg-type]
+    points = boundary(marcher_at, [0.3, 0.32], 2.0, Limits(0.5, 3.0, 0.005, 12))  # type: ignore[arg-type]
     assert [p.converged for p in points] == [True, True]
     assert len(points[1].marches) <= len(points[0].marches)
     assert points[1].crossings[0].V_f == pytest.approx(points[0].crossings[0].V_f, rel=5e-3)
@@ -136,7 +136,7 @@ def test_boundary_hands_the_guess_on(fmus: dict[str, Path]) -> None:
 def test_no_crossing_in_range_is_an_outcome(fmus: dict[str, Path]) -> None:
     case = make_case(coupling__scheme="gauss-seidel")
     with FlutterSetup(case, fmus, MACH) as setup:
-        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 0.6, 0.5, 0.8, 0.005, 12)
+        point = search(lambda V_f: flutter_march.march(setup, V_f), MACH, 0.6, Limits(0.5, 0.8, 0.005, 12))
     assert not point.converged and not point.crossings
     assert point.outcome.startswith("no crossing in range: damped")
 
