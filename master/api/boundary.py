@@ -28,7 +28,7 @@ from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from . import datasets, plots
 from .case import Case
-from .point import check_fmus, draw_section, fmu_folder, section_file, with_changes
+from .point import check_fmus, draw_section, fmu_folder, section_file, warned, with_changes
 from .progress import Callback, Cancelled, Reporter, interruptible, reporter
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class Boundary:
 
 
 def boundary(
-    case: Case,
+    case: Case | str | os.PathLike[str],
     *,
     mach: Sequence[float] | float | None = None,
     V_f: float | None = None,
@@ -125,20 +125,20 @@ def boundary(
 
     A Mach number at which something fails is a point with that outcome. A callback that returns False ends the search: what was
     finished is returned, `unfinished` names the rest. Raises AeroSloshError, KeyboardInterrupt (a folder keeps what was done)."""
-    machs = None if mach is None else [float(m) for m in np.atleast_1d(mach)]
+    machs = None if mach is None else _numbers(mach)
     changes = {"boundary.mach": machs, "flutter.V_f": V_f, "slosh.model": slosh}
     core = with_changes(case, changes | {"boundary.method": method, "boundary.uncertainty": uncertainty}, "boundary")
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
     check_fmus(core, found)
-    report = reporter(progress)
+    report, said = reporter(progress), warned([core], "boundary")
     with interruptible():
         if folder is None:
-            kept = Kept(core)
+            kept = Kept(core, None, said)
             _until_cancelled(core, found, kept, report)
             return Boundary(Case(core), kept.data())
         with RunFolder(Path(folder)) as run:
             run.write_case(core)
-            kept = Kept(core, run)
+            kept = Kept(core, run, said)
             points = _until_cancelled(core, found, kept, report)
             draw(core, points, kept, run)
             run.write_result(kept.data() | {"provenance": provenance(kept.hashes)})
@@ -229,10 +229,10 @@ def compute(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporte
             folder.log_messages(setup.system.components)
 
     def on_point(found: BoundaryPoint) -> None:
+        kept.add(found)  # before anything that may cancel
         say(f"Mach {found.mach:g}: {summary.point_data(found)['outcome']}")
         if found.failure is not None and folder is not None:
             folder.log(f"{found.failure}\n{found.failure.traceback}")
-        kept.add(found)
 
     def on_setup(setup: FlutterSetup) -> None:
         kept.hashes.update(setup.hashes())
@@ -257,6 +257,14 @@ def draw(case: cases.Case, points: list[BoundaryPoint], kept: Kept, folder: RunF
     draw_section(folder, kept.airfoil)
     for p in points:
         curves.draw(p, *kept.range, folder.path / f"vg_M{p.mach:g}.png")
+
+
+def _numbers(mach: Any) -> list[float]:
+    """Mach numbers, one or several. Raises AeroSloshError."""
+    try:
+        return [float(m) for m in (mach if np.ndim(mach) == 1 else np.asarray(mach, dtype=float).reshape(1))]
+    except (TypeError, ValueError):
+        raise AeroSloshError(f"mach = {mach!r}", "ae.boundary", "a number, or a list of numbers") from None
 
 
 def _until_cancelled(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporter) -> list[BoundaryPoint]:

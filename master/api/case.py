@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -42,8 +43,19 @@ class Case:
         """The built-in cases."""
         return builtin.names()
 
+    @classmethod
+    def of(cls, case: Case | str | os.PathLike[str]) -> Case:
+        """`case` itself, or the one of that file or name. Raises AeroSloshError."""
+        if isinstance(case, Case):
+            return case
+        if not isinstance(case, str | os.PathLike):
+            raise AeroSloshError(
+                f"{case!r} is no case", "ae.Case", "give an ae.Case, the path of a case, or a built-in one's name"
+            )
+        return cls.load(case)
+
     def replace(self, **tables: Mapping[str, Any]) -> Case:
-        """A copy with keys changed: `replace(flow={"mach": 0.8}, slosh={"model": "vof"})`.
+        """A copy with keys changed: `replace(flow={"mach": 0.8}, slosh={"model": "vof"})`; None leaves a key out again.
 
         Raises AeroSloshError for an unknown table or key and for a value outside its range."""
         changes: dict[str, Any] = {}
@@ -52,18 +64,31 @@ class Case:
                 raise AeroSloshError(
                     f"Unknown table '{table}'", "Case.replace", settings.nearest(table, list(cases.TABLES), "the tables are")
                 )
+            if not isinstance(keys, Mapping):
+                raise AeroSloshError(f"{table} = {keys!r} is no table", "Case.replace", f'write {table}={{"key": value}}')
             changes |= {f"{table}.{name}": value for name, value in keys.items()}
         return self.changed(changes)
 
     def changed(self, changes: Mapping[str, Any]) -> Case:
-        """The same with keys as a sweep has them: `changed({"flow.mach": 0.8})`."""
-        for dotted in changes:
-            if dotted not in self.settings:
+        """The same with keys as a sweep has them: `changed({"flow.mach": 0.8, "slosh.parameters.baffle_count": 2})`."""
+        core, given = self.core, {}
+        for dotted, value in changes.items():
+            table, _, name = str(dotted).partition(".")
+            own = {f.name: f for f in dataclasses.fields(cases.TABLES[table])} if table in cases.TABLES else {}
+            if name.partition(".")[0] not in own or ("." in name and not name.startswith("parameters.")):
+                known = [f"{t}.{f.name}" for t, kind in cases.TABLES.items() for f in dataclasses.fields(kind)]
                 raise AeroSloshError(
-                    f"Unknown key '{dotted}'", "Case.changed", settings.nearest(dotted, list(self.settings), "the keys are")
+                    f"Unknown key '{dotted}'", "Case.changed", settings.nearest(str(dotted), known, "the keys are")
                 )
-        plain = {key: _plain(value) for key, value in changes.items()}
-        return Case(cases.changed(self._core, plain, "Case.replace"))
+            if value is not None:
+                given[dotted] = plain(value)
+                continue
+            if "." in name:
+                getattr(core, table).parameters.pop(name.partition(".")[2], None)
+            else:
+                setattr(getattr(core, table), name, getattr(cases.TABLES[table](), name))
+            core.given.discard(dotted)
+        return Case(cases.changed(core, given, "Case.replace"))
 
     @property
     def name(self) -> str:
@@ -73,11 +98,12 @@ class Case:
     @property
     def settings(self) -> dict[str, Any]:
         """Every key with its value: {"flow.mach": 0.825, …}."""
-        return cases.flat(self._core)
+        return copy.deepcopy(cases.flat(self._core))
 
     def __getitem__(self, key: str) -> Any:
-        """One value by "table.key". Raises KeyError."""
-        return self.settings[key]
+        """One value by "table.key", of an FMU's parameter by "table.parameters.name". Raises KeyError."""
+        head, parameters, name = key.partition(".parameters.")
+        return self.settings[f"{head}.parameters"][name] if parameters else self.settings[key]
 
     @property
     def core(self) -> cases.Case:
@@ -85,8 +111,11 @@ class Case:
         return copy.deepcopy(self._core)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it as a TOML file, every key with value, unit and meaning."""
-        files.write(Path(path), cases.dump(self._core).encode())
+        """Write it as a TOML file, every key with value, unit and meaning. Raises AeroSloshError."""
+        try:
+            files.write(Path(path), cases.dump(self._core).encode())
+        except OSError as error:
+            raise AeroSloshError(f"The case cannot be written: {error.strerror}", str(path), "name another file") from None
 
     def __str__(self) -> str:
         return cases.dump(self._core)
@@ -104,6 +133,12 @@ class Case:
         return hash(repr(sorted(self.settings.items(), key=lambda item: item[0])))
 
 
-def _plain(value: Any) -> Any:
-    """numpy's numbers as Python's."""
-    return value.item() if hasattr(value, "item") and getattr(value, "ndim", 0) == 0 else value
+def plain(value: Any) -> Any:
+    """numpy's numbers and arrays, tuples and paths as a case file has them."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return [plain(entry) for entry in value] if isinstance(value, tuple | list) else value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..case import case as cases
 from ..flutter.march import March
 from ..results import history_file
 from ..results.history_writer import channels, march_attributes
@@ -21,6 +23,10 @@ Columns = Mapping[str, tuple[np.ndarray, str, str]]  # name → values (n,), uni
 UNITS = {  # of what a sweep's points give
     "growth_rate": "omega_alpha", "growth_rate_uncertainty": "omega_alpha", "frequency": "omega_alpha",
     "frequency_uncertainty": "omega_alpha", "limit_cycle_amplitude_deg": "degree", "cpu_seconds": "s", "wall_seconds": "s",
+    "mach": "1", "V_f": "1", "V_f_uncertainty": "1", "own_V_f": "1", "margin": "1", "damping_ratio": "1", "steps": "1",
+    "airspeed": "m/s", "equivalent_airspeed": "m/s", "dynamic_pressure": "Pa", "pressure_altitude": "m", "density": "kg/m3",
+    "static_pressure": "Pa", "static_temperature": "K", "mass": "kg/m", "static_imbalance": "kg", "inertia": "kg m",
+    "plunge_frequency": "Hz", "pitch_frequency": "Hz", "neutral_pitch_frequency": "Hz",
 }  # fmt: skip
 
 
@@ -58,7 +64,7 @@ def grid(rows: Sequence[Mapping[str, Any]], names: Sequence[str], keys: Iterable
     dims = list(names) if whole else ["point"]
     axes = {name: list(dict.fromkeys(row[name] for row in rows)) for name in names} if whole else {}
     for name, values in axes.items():
-        if all(isinstance(v, int | float) for v in values):
+        if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
             axes[name] = sorted(values)
     shape = [len(axes[name]) for name in names] if whole else [len(rows)]
     data = {}
@@ -71,8 +77,24 @@ def grid(rows: Sequence[Mapping[str, Any]], names: Sequence[str], keys: Iterable
             array[place] = ("" if text else math.nan) if value is None else value if text else float(value)
         array = array.astype(str) if text else array
         data[key] = (dims, array, {"units": UNITS[key]} if key in UNITS else {})
-    coords: dict[str, Any] = dict(axes) if whole else {name: ("point", [row[name] for row in rows]) for name in names}
+    coords = {
+        name: (name if whole else "point", _values(axes[name] if whole else [row[name] for row in rows]), _unit(name))
+        for name in names
+    }
     return xr.Dataset(data, coords=coords)
+
+
+def _values(values: Sequence[Any]) -> np.ndarray:
+    """A coordinate: numbers, truths or texts; of several kinds as they are."""
+    kinds = {bool if isinstance(v, bool) else float if isinstance(v, int | float) else type(v) for v in values}
+    return np.array(values) if len(kinds) == 1 else np.array(list(values), dtype=object)
+
+
+def _unit(key: str) -> dict[str, str]:
+    """The unit of a case's key."""
+    table, _, name = key.partition(".")
+    fields = {f.name: f for f in dataclasses.fields(cases.TABLES[table])} if table in cases.TABLES else {}
+    return {"units": fields[name].metadata["unit"]} if name in fields and "unit" in fields[name].metadata else {}
 
 
 def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> pd.DataFrame:

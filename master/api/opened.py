@@ -23,7 +23,9 @@ def open_run(path: str | os.PathLike[str]) -> Point | Boundary | xr.Dataset:
     over the swept keys), or one history file (→ Dataset).
 
     Raises AeroSloshError for anything else."""
-    place = Path(path)
+    place = Path(path).absolute()
+    if place.name in ("result.json", "case.toml", "ledger.sqlite"):
+        place = place.parent
     if (place / "ledger.sqlite").is_file():
         return dataset(place)
     if place.is_file():
@@ -39,4 +41,6 @@ def open_run(path: str | os.PathLike[str]) -> Point | Boundary | xr.Dataset:
         return Boundary(case, run.result, place)
     if run.kind == "point":
         return Point(case, run.result, place)
-    raise AeroSloshError(f"A folder of the kind '{run.kind}' cannot be opened", str(place), "give a run or a sweep folder")
+    raise AeroSloshError(
+        "The sweep's ledger is gone", str(place), "the same sweep, called again there, makes it from the points' files"
+    )

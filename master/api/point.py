@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..analysis.verdict import Verdict
 from ..base import pvd
-from ..case import airfoils, fmu_parameters, fuel_tank
+from ..case import airfoils, checks, fmu_parameters, fuel_tank, plausible
 from ..case import case as cases
 from ..cosim.checkpoint import Checkpoint, Keeper
 from ..flutter import march as flutter_march
@@ -29,6 +30,9 @@ from .progress import Callback, Reporter, interruptible, reporter
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+
+DOUBTS = 5  # warnings of one call
 
 
 @dataclass
@@ -103,7 +107,7 @@ class Point:
 
 
 def point(
-    case: Case,
+    case: Case | str | os.PathLike[str],
     *,
     mach: float | None = None,
     V_f: float | None = None,
@@ -123,16 +127,18 @@ def point(
     core = with_changes(case, {"flow.mach": mach, "flutter.V_f": V_f, "slosh.model": slosh}, "point")
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
     check_fmus(core, found)
-    report = reporter(progress)
+    report, said = reporter(progress), warned([core], "point")
     with interruptible():
         if folder is None:
             computed = compute(core, found, report)
+            computed.data |= said
             if computed.march.failure is not None:
                 raise computed.march.failure
             return Point(Case(core), computed.data, None, computed.march)
         with RunFolder(Path(folder)) as run:
             run.write_case(core)
             computed = compute(core, found, report, run)
+            computed.data |= said
             write(core, computed, run)
         if computed.march.failure is not None:
             raise computed.march.failure
@@ -223,10 +229,18 @@ def draw_section(folder: RunFolder, said: str) -> None:
         airfoil.draw(section_file(folder), folder.path / "airfoil.png", said)
 
 
-def with_changes(case: Case, changes: Mapping[str, Any], command: str) -> cases.Case:
+def with_changes(case: Case | str | os.PathLike[str], changes: Mapping[str, Any], command: str) -> cases.Case:
     """The case with those `changes` that are not None, complete for `command`. Raises AeroSloshError."""
     given = {key: value for key, value in changes.items() if value is not None}
-    return cases.changed(case.changed(given).core, {}, f"ae.{command}", command)
+    return cases.changed(Case.of(case).changed(given).core, {}, f"ae.{command}", command)
+
+
+def warned(asked: list[cases.Case], command: str) -> dict[str, Any]:
+    """What nobody gave in the case and what is unusual in any of those `asked`, for the results; the latter as warnings too."""
+    doubts = list(dict.fromkeys(doubt for case in asked for doubt in plausible.doubts(case)))
+    for doubt in doubts[:DOUBTS]:
+        warnings.warn(doubt, stacklevel=3)
+    return {"defaults": checks.defaults(asked[0], command), "warnings": doubts}
 
 
 def check_fmus(case: cases.Case, fmus: dict[str, Path]) -> None:

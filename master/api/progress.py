@@ -19,6 +19,14 @@ class Cancelled(KeyboardInterrupt):
     """A progress callback returned False. What was finished is kept."""
 
 
+class CallbackFailed(BaseException):
+    """A progress callback raised `error`: no failure of a march, so that nobody on the way takes it for one."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
 @dataclass(frozen=True)
 class Update:
     """What a callback is given: `label` of the march or sweep at work, `done` of `total` steps or points, or a `text` alone."""
@@ -64,8 +72,12 @@ class ToCallback:
         self.update(Update(self._label, step, steps))
 
     def update(self, update: Update) -> None:
-        """Raises Cancelled."""
-        if self._callback(update) is False:
+        """Raises Cancelled, CallbackFailed."""
+        try:
+            answer = self._callback(update)
+        except Exception as error:
+            raise CallbackFailed(error) from error
+        if answer is not None and type(answer).__name__ in ("bool", "bool_") and not answer:  # numpy's False too
             raise Cancelled
 
 
@@ -79,7 +91,16 @@ def interruptible() -> Iterator[None]:
     """Ctrl-C ends the block in order, also where it strikes inside an FMU, whose Python would make a failure of it.
 
     In the main thread, where Ctrl-C raises KeyboardInterrupt; elsewhere, and in the command (which listens itself), nothing
-    changes."""
+    changes. What a progress callback raised leaves the block as it was."""
+    try:
+        with _listening():
+            yield
+    except CallbackFailed as failed:
+        raise failed.error from None
+
+
+@contextlib.contextmanager
+def _listening() -> Iterator[None]:
     main = threading.current_thread() is threading.main_thread()
     if not main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
@@ -87,7 +108,8 @@ def interruptible() -> Iterator[None]:
 
     def asked(number: int, frame: FrameType | None) -> None:
         interrupts.pending = interrupts.Interrupted()
-        raise interrupts.pending
+        if not interrupts.is_held():
+            raise interrupts.pending
 
     signal.signal(signal.SIGINT, asked)
     try:

@@ -21,6 +21,7 @@ from ..results.history_writer import write_simulation
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from . import datasets
+from .case import plain
 from .point import fmu_folder
 from .progress import Callback, Reporter, interruptible, reporter
 
@@ -54,9 +55,10 @@ def simulate(
     with interruptible():
         component = Component(path, path.stem)
         try:
-            for name, value in (parameters or {}).items():
+            for name, value in plain(parameters or {}).items():
                 component.check_and_set(name, value, f"ae.simulate, parameters, {name}")
-            driven, _ = table_drive.completed(driven, component.input_index)
+            if driven.names:
+                driven, _ = table_drive.completed(driven, component.input_index)
             columns = table_drive.run(component, driven)
             known = component.variables
             units = {n: (known[n].unit or "1", known[n].description or n) if n in known else ("s", "time") for n in columns}
@@ -79,7 +81,7 @@ class System:
 
     def __init__(
         self,
-        components: Mapping[str, Mapping[str, Any]],
+        components: Mapping[str, Mapping[str, Any] | str | os.PathLike[str]],
         wires: Sequence[str] = (),
         *,
         end: float,
@@ -88,11 +90,12 @@ class System:
         record_every: int = 1,
         coupling: Mapping[str, Any] | None = None,
     ) -> None:
-        """components: name → fmu (a file or a name of this package's), parameters, predicts; wires: "a.output -> b.input";
+        """components: name → fmu (a file or a name of this package's), parameters, predicts; or the fmu alone;
+        wires: "a.output -> b.input";
         start, end, step [s]; coupling: keys of the table [coupling]. Raises AeroSloshError naming the key."""
         run = {"start": start, "end": end, "step": step, "record_every": record_every}
-        data = {"components": {n: dict(c) for n, c in components.items()}, "system": {"wires": list(wires)}, "run": run}
-        data["coupling"] = dict(coupling or {})
+        parts = {n: {"fmu": os.fspath(c)} if isinstance(c, str | os.PathLike) else dict(c) for n, c in components.items()}
+        data = plain({"components": parts, "system": {"wires": list(wires)}, "run": run, "coupling": dict(coupling or {})})
         self._assembly = system_file.of_data(data, {}, Path("ae.System"), Path.cwd())
 
     @classmethod
@@ -166,23 +169,29 @@ def _own(name: str, fmus: str | os.PathLike[str] | None) -> Path:
 
 def _table(given: Mapping[str, Any] | Any) -> Table:
     """A table from columns. Raises AeroSloshError."""
-    names = [
-        str(name) for name in (given.columns if hasattr(given, "columns") else [*given.keys(), *getattr(given, "coords", ())])
-    ]
-    names = list(dict.fromkeys(names))
-    try:
-        columns = {name: np.asarray(given[name], dtype=float).ravel() for name in names}
-    except (TypeError, ValueError) as error:
-        raise AeroSloshError(f"A column is no list of numbers: {error}", "ae.simulate, table", "numbers in every place") from None
+    where = "ae.simulate, table"
+    if hasattr(given, "reset_index") and getattr(getattr(given, "index", None), "name", None) == "time":  # a DataFrame over time
+        given = given.reset_index()
+    if not hasattr(given, "keys"):
+        raise AeroSloshError(f"A {type(given).__name__} is no table", where, "a dictionary, a DataFrame, a Dataset or a CSV file")
+    names = [str(name) for name in [*given.keys(), *getattr(given, "coords", ())]]
+    columns: dict[str, np.ndarray] = {}
+    for name in dict.fromkeys(names):
+        column = np.asarray(given[name])
+        if column.ndim == 0 and name in getattr(given, "coords", ()):
+            continue  # a Dataset's scalar coordinate says of what it is, and is no column
+        if column.ndim != 1 or column.dtype.kind not in "biuf":
+            raise AeroSloshError(
+                f"'{name}' has shape {column.shape} and holds {column.dtype}", where, "numbers, one a row; time in seconds"
+            )
+        columns[name] = column.astype(float)
     if "time" not in columns:
-        raise AeroSloshError(f"The columns are {', '.join(names)}", "ae.simulate, table", "one column 'time' [s]")
+        raise AeroSloshError(f"The columns are {', '.join(columns) or 'none'}", where, "one column 'time' [s]")
     time = columns.pop("time")
     if any(v.size != time.size for v in columns.values()) or time.size < 2 or not (np.diff(time) > 0.0).all():
-        raise AeroSloshError("Columns of one length and times that rise are needed", "ae.simulate, table", "two rows or more")
+        raise AeroSloshError("Columns of one length and times that rise are needed", where, "two rows or more")
     values = np.column_stack(list(columns.values())) if columns else np.zeros((time.size, 0))
-    if not np.isfinite(values).all():
-        name = list(columns)[int(np.flatnonzero(~np.isfinite(values).all(axis=0))[0])]
-        raise AeroSloshError(
-            f"'{name}' holds a number that is not finite", "ae.simulate, table", "a finite number in every place"
-        )
+    for name, column in {"time": time, **columns}.items():
+        if not np.isfinite(column).all():
+            raise AeroSloshError(f"'{name}' holds a number that is not finite", where, "a finite number in every place")
     return Table(time, list(columns), values)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base import toml_text
 from ..base.errors import AeroSloshError
 from ..case import case as cases
 from ..results.provenance import provenance, source_hash
@@ -24,8 +25,8 @@ from ..sweeps.progress import SweepProgress
 from ..sweeps.sweep import Pool, Store
 from ..sweeps.workers import LocalPool, usable_cores
 from . import datasets
-from .case import Case
-from .point import fmu_folder
+from .case import Case, plain
+from .point import fmu_folder, warned
 from .progress import Callback, Cancelled, ToCallback, Update, interruptible
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Settings:
 
 
 def sweep(
-    case: Case,
+    case: Case | str | os.PathLike[str],
     parameters: Mapping[str, Any],
     *,
     mode: str = "grid",
@@ -79,11 +80,16 @@ def sweep(
     if mode not in MODES:
         raise AeroSloshError(f"mode = '{mode}'", "ae.sweep", f"one of {', '.join(MODES)}")
     changes = {"sweep.mode": mode, "sweep.command": command, "sweep.samples": samples, "sweep.seed": seed}
-    core = case.changed({k: v for k, v in changes.items() if v is not None}).core
+    if workers is not None and (isinstance(workers, bool) or int(workers) != workers or workers < 1):
+        raise AeroSloshError(f"workers = {workers!r}", "ae.sweep", "a whole number, at least 1")
+    if not isinstance(parameters, Mapping):
+        raise AeroSloshError(f"parameters = {parameters!r}", "ae.sweep", 'a dictionary: {"flow.mach": [0.7, 0.8]}')
+    core = Case.of(case).changed({k: v for k, v in changes.items() if v is not None}).core
     swept = [parameter(name, _content(values), f"ae.sweep, {name}") for name, values in parameters.items()]
     core.sweep.parameters = {p.name: p.written for p in swept}
     wanted = plan.make(core, swept, fmu_folder(fmus), core.source or "ae.sweep")
-    settings = Settings(workers or usable_cores(), RECYCLE, scheduler, resume, retry_failed)
+    warned([p.case for p in wanted.points], command)
+    settings = Settings(int(workers or usable_cores()), RECYCLE, scheduler, resume, retry_failed)
     with tempfile.TemporaryDirectory(prefix="aeroslosh_sweep_") as temporary, interruptible():
         place = Path(folder).absolute() if folder is not None else Path(temporary) / "sweep"
         reporter = _ToCallback(progress) if callable(progress) else SweepProgress(quiet=not progress)
@@ -190,9 +196,8 @@ class _ToCallback(SweepProgress):
 
 def _content(values: Any) -> Any:
     """What a swept key takes, as a case file writes it: numpy's numbers as Python's."""
-    if isinstance(values, Mapping):
-        return dict(values)
-    return [v.item() if hasattr(v, "item") else v for v in values]
+    found = plain(values)
+    return found if isinstance(found, list | dict) else [found]
 
 
 def _pool(settings: Settings, wanted: Plan, say: Callable[[str], None]) -> Pool:
@@ -219,6 +224,8 @@ def _dataset(rows: Sequence[Row], about: dict[str, Any], folder: Path) -> xr.Dat
     finished = [row for row in rows if row.status in ("done", "failed")]
     names = list(dict.fromkeys(name for row in rows for name in row.overrides))
     table = results.flat(finished, kind, names)
+    for line in table:  # a list or a table is no coordinate: its text is
+        line |= {n: toml_text.literal(line[n]) for n in names if isinstance(line[n], list | dict)}
     combinations = {tuple(line[name] for name in names) for line in table}
     axes = [len({line[name] for line in table}) for name in names]
     full = 1

@@ -62,6 +62,11 @@ def held() -> Iterator[None]:
         check()
 
 
+def is_held() -> bool:
+    """Whether a block keeps something now, at whose end an interrupt strikes."""
+    return _held > 0
+
+
 def _asked(number: int, _frame: FrameType | None) -> None:
     global pending, _first
     code = CODES[signal.Signals(number).name]

@@ -20,6 +20,6 @@ def case_path(word: str) -> Path:
 def resolve(path: Path) -> Path:
     """`path`, or the built-in case of that name where there is no such file."""
     found = FOLDER / f"{path.name}.toml"
-    if path.parent == Path() and not path.suffix and not path.exists() and found.is_file():
+    if path.parent == Path() and not path.suffix and not path.is_file() and found.is_file():
         return found
     return path

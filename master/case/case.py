@@ -16,7 +16,7 @@ from typing import Any
 from ..base import settings
 from ..base.errors import AeroSloshError
 from ..cosim.coupling_settings import Coupling
-from . import airfoils, by_value, checks, dimensions
+from . import airfoils, by_value, checks, dimensions, plausible
 from .tables import Aero, Boundary, Flow, Flutter, Output, Section, Slosh, Structure, Sweep
 
 __all__ = [
@@ -89,6 +89,7 @@ def changed(case: Case, values: Mapping[str, Any], where: str, command: str = ""
         table, _, name = dotted.partition(".")
         settings.assign(getattr(copied, table), table, name, value, f"{where}, key {dotted}")
         copied.given.add(dotted)
+        copied.places = {key: place for key, place in copied.places.items() if not key.startswith(f"{dotted}.")}
         copied.places[dotted] = f"{where}, key {dotted}"
     _check(copied, command, where)
     return copied
@@ -110,6 +111,7 @@ def _override(case: Case, override: str) -> None:
 
 def _check(case: Case, command: str, where: str) -> None:
     """Turn what is given by value into the dimensionless keys, then check the whole; `command` as in `load`."""
+    plausible.refuse(case, where)  # what is given in wrong units is to be blamed itself, not what is converted with it
     by_value.convert(case, whole=bool(command) or not case.source)
     if command:
         checks.complete(case, command, where)

@@ -36,10 +36,12 @@ class Table:
     values: np.ndarray
 
     def resampled(self, step: float) -> Table:
-        """At equal steps [s] from the first to the last time, linear in between."""
-        span = self.times[-1] - self.times[0]
-        count = max(1, round(span / step))
-        times = self.times[0] + step * np.arange(count + 1)
+        """At equal steps from the first to the last time, linear in between: of `step` [s], or the nearest of which the table
+        holds a whole number. Raises AeroSloshError for a step that is none."""
+        if not (isinstance(step, int | float) and 0.0 < step < math.inf):
+            raise AeroSloshError(f"step = {step!r}", "the communication step", "a number above 0 [s]")
+        count = max(1, round((self.times[-1] - self.times[0]) / step))
+        times = np.linspace(self.times[0], self.times[-1], count + 1)
         columns = [np.interp(times, self.times, column) for column in self.values.T]
         return Table(times, self.names, np.array(columns).T.reshape(times.size, len(self.names)))
 

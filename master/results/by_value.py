@@ -32,7 +32,9 @@ def of_point(point: BoundaryPoint, V_f: float | None) -> dict[str, float | None]
         return None
     own, s = by_value.omega_alpha(point.case), scales(point.case, point.mach, 1.0)
     own_V_f = s.omega_alpha / own if own else None
-    return finite(dimensions.stream(s)) | {"own_V_f": own_V_f, "margin": V_f / own_V_f if V_f and own_V_f else None}
+    low, high = point.case.boundary.V_f_range
+    searched = {"V_f_searched_from": low, "V_f_searched_to": high}
+    return finite(dimensions.stream(s)) | searched | {"own_V_f": own_V_f, "margin": V_f / own_V_f if V_f and own_V_f else None}
 
 
 def of_crossing(point: BoundaryPoint, V_f: float) -> dict[str, float | None] | None:
@@ -44,12 +46,14 @@ def of_crossing(point: BoundaryPoint, V_f: float) -> dict[str, float | None] | N
 
 def matched(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Where the wing of the case flutters in its air: between neighbouring Mach numbers of which the lowest neutral V_f of one
-    is above the wing's own and that of the other below, both linear in Mach. Empty for a section without frequencies."""
-    known = [(row["mach"], m, row["by_value"]) for row in sorted(rows, key=lambda r: r["mach"]) if (m := _margin(row))]
+    is above the wing's own and that of the other below, both linear in Mach. Nothing is said across a Mach number that has no
+    margin or whose slosh model does not hold. Empty for a section without frequencies."""
     found = []
-    for (low, first, begin), (high, second, end) in itertools.pairwise(known):
-        if (first > 1.0) is (second > 1.0):
+    for begin_row, end_row in itertools.pairwise(sorted(rows, key=lambda r: r["mach"])):
+        first, second = _margin(begin_row), _margin(end_row)
+        if not first or not second or (first > 1.0) is (second > 1.0):
             continue
+        (low, begin), (high, end) = ((row["mach"], row["by_value"]) for row in (begin_row, end_row))
         before, after = begin["own_V_f"] * (first - 1.0), end["own_V_f"] * (second - 1.0)
         share = before / (before - after)
         ratio = (low + share * (high - low)) / low
@@ -73,7 +77,11 @@ def point_lines(row: Row) -> list[str]:
     """The lines of a Mach number: its stream, and every neutral V_f by value."""
     if row.get("by_value") is None:
         return []
-    lines = [f"          flight: {_stream(row['by_value'])}"]
+    own, d = row["by_value"]["own_V_f"], row["by_value"]
+    lines = [f"          flight: {_stream(d)}"]
+    if own and not d["V_f_searched_from"] <= own <= d["V_f_searched_to"]:
+        searched = f"{d['V_f_searched_from']:g} to {d['V_f_searched_to']:g}"
+        lines.append(f"          the wing's own V_f {own:.4f} is outside the V_f searched ({searched}): widen boundary.V_f_range")
     for c in row["crossings"]:
         d = c["by_value"]
         line = f"          V_f {c['V_f']:.4f}: neutral with a pitch frequency of {d['neutral_pitch_frequency']:.4g} Hz"
@@ -100,15 +108,20 @@ def matched_lines(rows: Sequence[Row]) -> list[str]:
         )
     least, mach = min(margins)
     if not lines:
-        state = "above its own V_f" if least > 1.0 else "below the wing's own V_f"
+        sides = {margin > 1.0 for margin, _ in margins}
+        state = "on both sides of" if len(sides) > 1 else "above" if least > 1.0 else "below"
+        count = (
+            "every Mach number has its" if len(margins) == len(rows) else f"{len(margins)} of {len(rows)} Mach numbers have their"
+        )
         ends = f"least margin {least:.3f} at Mach {mach:g}"
-        lines.append(f"  every Mach number has its lowest neutral V_f {state}: {ends}")
+        lines.append(f"  {count} lowest neutral V_f {state} the wing's own: {ends}")
     return lines
 
 
 def _margin(row: Row) -> float | None:
-    """Margin of the lowest onset of a Mach number (or of its lowest crossing), the one that the table names."""
-    return row["by_value"]["margin"] if row["by_value"] else None
+    """Margin of the lowest onset of a Mach number (or of its lowest crossing), the one that the table names; None where there is
+    none, or where the slosh model does not hold."""
+    return row["by_value"]["margin"] if row["by_value"] and row.get("slosh_holds") is not False else None
 
 
 def _stream(d: dict[str, Any]) -> str:
