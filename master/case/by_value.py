@@ -105,6 +105,19 @@ def convert(case: Case, whole: bool = True) -> None:
     _frequencies(case)
 
 
+def one_speed(case: Case) -> None:
+    """Refuse a boundary over Mach numbers of a case whose speed or dynamic pressure belongs to one. Raises AeroSloshError."""
+    for key in given(case, SPEEDS):
+        others = [mach for mach in case.boundary.mach if abs(mach - case.flow.mach) > 1e-9]
+        if others:
+            listed = ", ".join(f"{m:g}" for m in others)
+            raise AeroSloshError(
+                f"{key} belongs to Mach {case.flow.mach:.6g}, and the boundary is of Mach {listed} too",
+                place(case, key),
+                f"leave out {key} and give the air by flow.altitude: it is then the same at every Mach number",
+            )
+
+
 def omega_alpha(case: Case) -> float | None:
     """The uncoupled pitch frequency [rad/s] of a wing given by value; None where V_f is free."""
     s = case.section

@@ -115,6 +115,8 @@ def _check(case: Case, command: str, where: str) -> None:
     by_value.convert(case, whole=bool(command) or not case.source)
     if command:
         checks.complete(case, command, where)
+    if command == "boundary":
+        by_value.one_speed(case)
     checks.together(case, where)
 
 

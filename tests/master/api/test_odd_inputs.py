@@ -191,3 +191,9 @@ def test_a_wing_outside_the_V_f_searched_is_said() -> None:
     far = row(0.7, None)
     far["by_value"]["V_f_searched_to"] = 0.4
     assert any("outside the V_f searched (0.2 to 0.4)" in line for line in by_value.point_lines(far))
+
+
+def test_a_boundary_of_many_mach_numbers_has_no_one_speed() -> None:
+    wing = ae.Case.load("wing_by_value").replace(flow={"altitude": None, "mach": 0.7}, flutter={"dynamic_pressure": 16000.0})
+    with pytest.raises(ae.AeroSloshError, match=r"dynamic_pressure belongs to Mach 0\.7.* Mach 0\.74 too"):
+        ae.boundary(wing, mach=[0.7, 0.74])
