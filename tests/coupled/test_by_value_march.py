@@ -99,7 +99,7 @@ def test_a_boundary_tells_margin_and_flutter_speed(flutter_fmus: Path, tmp_path:
     assert met["dynamic_pressure"] == pytest.approx(0.5 * 0.819129 * met["airspeed"] ** 2, rel=1e-4)
     text = summary.boundary_summary(rows)
     assert "this wing in this air flutters from about Mach 0.3" in text and "margin" in text
-    assert "lowest neutral V_f above its own V_f: least margin 1.20" in summary.boundary_summary(rows[:1])
+    assert "lowest neutral V_f above the wing's own: least margin 1.20" in summary.boundary_summary(rows[:1])
 
 
 def command(*arguments: str | Path, fmus: Path) -> subprocess.CompletedProcess[str]:
