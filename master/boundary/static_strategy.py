@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..analysis.crossings import Crossing, Sample
-from ..analysis.verdict import describes
+from ..analysis.verdict import Verdict, describes
 from ..flutter.march import March
 
 ABOVE, BELOW = (1.02, 1.05, 1.09, 1.13), 0.96  # of the promised V_f; the later ones where a nearer one cannot be read
@@ -49,7 +49,9 @@ def confirm(
 
     `rate`: the real eigenvalue over omega_alpha that a model has at a V_f; without it the line through both marches serves."""
     marches = [marcher(BELOW * V_f)]
-    rest, seen = comes_to_rest(marches[0]), list[Sample]()
+    # below it an oscillation may grow (flutter comes first): then what does not oscillate must not
+    flutters = marches[0].verdict is Verdict.FLUTTER and not growing_sample(marches[0]).known
+    rest, seen = comes_to_rest(marches[0]) or flutters, list[Sample]()
     for factor in ABOVE:
         if len(seen) == 2 or (factor > ABOVE[2] and not seen):
             break
@@ -74,6 +76,9 @@ def confirm(
     parts = {"fit": seen[0].std / slope, "interpolation": apart}
     crossing = Crossing(found, 0.0, "onset", slope, True, parts)
     met = crossing.uncertainty <= tolerance * found and BELOW * V_f < found < ABOVE[0] * V_f
+    if not met and abs(found - V_f) < crossing.uncertainty:
+        # marches that agree with the steady flow and know less: theirs is the confirmation, its the V_f
+        found, parts = V_f, {"interpolation": abs(found - V_f)}
     return Crossing(found, 0.0, "onset", slope, True, parts, met=bool(met)), marches, ""
 
 
