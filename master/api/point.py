@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-DOUBTS = 5  # warnings of one call
+DOUBTS = 5  # warnings shown, of a sweep's points too
 
 
 @dataclass
@@ -235,18 +235,23 @@ def with_changes(case: Case | str | os.PathLike[str], changes: Mapping[str, Any]
     return cases.changed(Case.of(case).changed(given).core, {}, f"ae.{command}", command)
 
 
-def warned(asked: list[cases.Case], command: str) -> dict[str, Any]:
-    """What nobody gave in the case and what is unusual in any of those `asked`, for the results; the latter as warnings too."""
+def noted(asked: Sequence[cases.Case], command: str) -> dict[str, Any]:
+    """What nobody gave in the cases `asked` (a sweep's points, or one) and what is unusual in any of them, for the results."""
     doubts = list(dict.fromkeys(doubt for case in asked for doubt in plausible.doubts(case)))
-    for doubt in doubts[:DOUBTS]:
-        warnings.warn(doubt, stacklevel=3)
     return {"defaults": checks.defaults(asked[0], command), "warnings": doubts}
+
+
+def warned(asked: Sequence[cases.Case], command: str) -> dict[str, Any]:
+    """The same, and what is unusual as warnings of the caller's caller, DOUBTS of them at most."""
+    found = noted(asked, command)
+    for doubt in found["warnings"][:DOUBTS]:
+        warnings.warn(doubt, stacklevel=3)
+    return found
 
 
 def check_fmus(case: cases.Case, fmus: dict[str, Path]) -> None:
     """Refuse an airfoil or a parameter that the FMUs do not know, before anything starts. Raises AeroSloshError."""
-    place = Path(case.source or "ae.Case").parent
-    airfoils.check(case.flow.airfoil, f"{case.source or 'ae.Case'}, key {airfoils.KEY}", fmus["aero"], place, Path())
+    airfoils.check(case.flow.airfoil, airfoils.place(case), fmus["aero"], Path(case.source).parent, Path())
     fmu_parameters.check(case, fmus)
 
 

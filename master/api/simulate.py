@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +13,10 @@ import numpy as np
 from ..base.errors import AeroSloshError
 from ..case import builtin
 from ..cosim import system_file, system_run
+from ..cosim.checkpoint import Checkpoint, Keeper
 from ..cosim.system_file import Assembly
 from ..cosim.system_run import Simulation
-from ..fmi import table_drive
+from ..fmi import installed, table_drive
 from ..fmi.component import Component
 from ..fmi.table_drive import Table
 from ..results.history_writer import write_simulation
@@ -125,14 +127,13 @@ class System:
         files = system_file.find(assembly, fmu_folder(fmus))
         with interruptible():
             if folder is None:
-                result, _ = _run(assembly, files, report)
+                result = compute(assembly, files, report).result
             else:
                 with RunFolder(Path(folder)) as kept:
                     kept.write_settings(system_file.dump(assembly))
-                    result, hashes = _run(assembly, files, report)
-                    about = provenance(hashes)
-                    write_simulation(kept.path / "history.nc", result, about)
-                    kept.write_result(system_run.data(result) | {"provenance": about})
+                    ran = compute(assembly, files, report, kept)
+                    write(assembly, ran, kept)
+                    result = ran.result
         if result.failure is not None:
             raise result.failure
         columns = {n: (v, result.units[n], n) for n, v in result.outputs.items()}
@@ -144,20 +145,58 @@ class System:
         return f"System({', '.join(self._assembly.components)}: {run.start:g} to {run.end:g} s in steps of {run.step:g} s)"
 
 
-def _run(assembly: Assembly, files: dict[str, Path], report: Reporter) -> tuple[Simulation, dict[str, str]]:
-    """The run and the FMUs' hashes."""
+@dataclass(frozen=True)
+class Ran:
+    """A run with its numbers, as in result.json, and its provenance."""
+
+    result: Simulation
+    data: dict[str, Any]
+    about: dict[str, Any]
+
+
+def compute(
+    assembly: Assembly,
+    files: dict[str, Path],
+    report: Reporter,
+    folder: RunFolder | None = None,
+    keep: Callable[[dict[str, str]], tuple[Keeper | None, Checkpoint | None]] = lambda hashes: (None, None),
+) -> Ran:
+    """Run the system of `assembly`. `keep(hashes)`: what writes its checkpoints and the one to go on from; with a `folder` its
+    log is kept. Raises AeroSloshError."""
     system = system_file.build(assembly, files)
     try:
+        hashes = {c.name: c.sha256 for c in system.everyone}
+        keeper, start = keep(hashes)
+        if folder is not None:
+            for loop in system.loops:
+                folder.log(f"algebraic loop, closed by the coupling scheme {assembly.coupling.scheme}: {' '.join(loop)}")
+        if assembly.dt != assembly.run.step:
+            text = f"steps of {assembly.dt!r} s: the run holds no whole number of run.step"
+            report.say(text)
+            if folder is not None:
+                folder.log(text)
         report.start(assembly.name)
-        return system_run.simulate(assembly, system, report.watch), {c.name: c.sha256 for c in system.everyone}
+        result = system_run.simulate(assembly, system, report.watch, keeper, start)
+        if folder is not None:
+            folder.log_messages(system.everyone)
     finally:
         system.close()
+    return Ran(result, system_run.data(result), provenance(hashes))
+
+
+def write(assembly: Assembly, ran: Ran, folder: RunFolder) -> None:
+    """The files of a run: history, result, picture. Raises OSError."""
+    write_simulation(folder.path / "history.nc", ran.result, ran.about)
+    folder.write_result(ran.data | {"provenance": ran.about})
+    if assembly.run.pictures:
+        from ..pictures import table as picture  # matplotlib takes half a second to import
+
+        nothing = Table(ran.result.time, [], np.zeros((ran.result.time.size, 0)))
+        picture.draw(folder.path / "histories.png", nothing, {"time": ran.result.time, **ran.result.outputs}, ran.result.units)
 
 
 def _own(name: str, fmus: str | os.PathLike[str] | None) -> Path:
     """One of this package's FMUs."""
-    from ..fmi import installed
-
     folder = fmu_folder(fmus)
     installed.ensure(folder)
     path = folder / f"{name}.fmu"

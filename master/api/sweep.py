@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import tempfile
-import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -105,7 +105,10 @@ def sweep(
                 pass
             finally:
                 store.close()
-        return dataset(place)
+        found = dataset(place)
+        if folder is None:
+            del found.attrs["folder"]  # a temporary one
+        return found
 
 
 def run(
@@ -182,7 +185,7 @@ class _ToCallback(SweepProgress):
 
     def __init__(self, callback: Callback) -> None:
         super().__init__(quiet=True)
-        self._to, self._begun = ToCallback(callback), clock.monotonic()
+        self._to = ToCallback(callback)
 
     def say(self, text: str) -> None:
         """An event."""
@@ -228,10 +231,7 @@ def _dataset(rows: Sequence[Row], about: dict[str, Any], folder: Path) -> xr.Dat
         line |= {n: toml_text.literal(line[n]) for n in names if isinstance(line[n], list | dict)}
     combinations = {tuple(line[name] for name in names) for line in table}
     axes = [len({line[name] for line in table}) for name in names]
-    full = 1
-    for n in axes:
-        full *= n
-    whole = bool(table) and len(table) == len(combinations) == full
+    whole = bool(table) and len(table) == len(combinations) == math.prod(axes)
     keys = ["status", *results.RESULTS[kind], "cause", "cpu_seconds", "wall_seconds"]
     found = datasets.grid(table, names, [k for k in keys if k not in names], whole)
     return found.assign_attrs(folder=str(folder), points=len(rows), finished=len(finished), command=kind)

@@ -13,10 +13,12 @@ import re
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..base import settings
 from ..base.errors import AeroSloshError
+
+if TYPE_CHECKING:
+    from .case import Case
 
 KEY = "flow.airfoil"
 TABLE = "airfoil_names.json"
@@ -53,12 +55,9 @@ def set_by(overrides: Sequence[str]) -> str:
     return next((text for text in reversed(overrides) if text.partition("=")[0].strip() == KEY), "")
 
 
-def place(case: Path, overrides: Sequence[str]) -> str:
+def place(case: Case) -> str:
     """Where the airfoil of a case was named, for messages: the override, or file and line."""
-    if text := set_by(overrides):
-        return f"--set {text}"
-    line = settings.read(case, "case file", "cases/isogai_a.toml")[1].get(("flow", "airfoil"))
-    return f"{case}, line {line}, key {KEY}" if line else f"{case}, key {KEY} (at its default)"
+    return case.places.get(KEY) or f"{case.source or 'ae.Case'}, key {KEY} (at its default)"
 
 
 def check(word: str, where: str, fmu: Path, *folders: Path) -> None:

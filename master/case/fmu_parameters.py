@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import fmpy
 
-from ..base import settings, toml_text
+from ..base import settings
 from ..base.errors import AeroSloshError
 from ..fmi import unpack
+from ..fmi.values import Value, fitted
 from .tables import Slosh
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 TABLES = ("aero", "structure", "slosh")
 KEY = "parameters"
 FMU = {"frozen": "slosh_ems", "ems": "slosh_ems", "rbf": "slosh_rbf", "vof": "slosh_vof"}  # slosh.model → FMU
-Value = float | int | bool | str
 _MASTERS = "coupling.predictor_order (the master extrapolates itself)"
 _LIQUID = "the keys of [slosh] (the liquid that the structure carries)"
 _TRIM = "nothing: the trim is that of the steady flow and the liquid at rest"
@@ -93,7 +92,7 @@ def check(case: Case, fmus: Mapping[str, Path]) -> None:
 
 def values(parameters: Mapping[str, Any], variables: Mapping[str, Any]) -> dict[str, Value]:
     """Those of the checked `parameters` that an FMU with these `variables` (name → FMPy's) has, as the FMU takes them."""
-    return {name: fitting(variables[name], value, name, name) for name, value in parameters.items() if name in variables}
+    return {name: fitted(variables[name], value, name, name) for name, value in parameters.items() if name in variables}
 
 
 def whole(case: Case, key: str, fmus: Mapping[str, Path]) -> bool:
@@ -101,37 +100,6 @@ def whole(case: Case, key: str, fmus: Mapping[str, Path]) -> bool:
     table, _, name = key.split(".", 2)
     found = [_variables(fmus[fmu]).get(name) for fmu in _fmus(case, table) if fmu in fmus]
     return any(variable is not None and variable.type in ("Integer", "Enumeration") for variable in found)
-
-
-def fitting(variable: Any, value: Any, name: str, where: str) -> Value:
-    """`value` as FMPy's `variable` takes it: the number of an enumeration's name, a whole number where that is meant.
-
-    Raises AeroSloshError for another type or a value out of range."""
-    kind = variable.type
-    items = {item.name: int(item.value) for item in getattr(variable.declaredType, "items", None) or []}
-    if kind == "Enumeration" and isinstance(value, str) and value in items:
-        return items[value]
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    kinds = {
-        "Real": number and math.isfinite(value),
-        "Integer": number and float(value).is_integer(),
-        "Enumeration": number and value in items.values(),
-        "Boolean": isinstance(value, bool),
-        "String": isinstance(value, str),
-    }
-    wanted = {"Real": "a number", "Integer": "a whole number", "Boolean": "true or false", "String": 'a text in "quotes"'}
-    low, high = (_limit(variable, end) for end in ("min", "max"))
-    expected = wanted.get(kind) or f"one of {', '.join(items)}"
-    expected += f" from {low:g}" if low is not None else ""
-    expected += f" to {high:g}" if high is not None else ""
-    expected += f" [{variable.unit}]" if variable.unit not in (None, "1") else ""
-    if not kinds[kind]:
-        raise AeroSloshError(f"{name} has the wrong type: {toml_text.literal(value)}", where, f"give {expected}")
-    if number and ((low is not None and value < low) or (high is not None and value > high)):
-        raise AeroSloshError(f"{name} = {value!r} is out of range ({variable.description})", where, f"give {expected}")
-    if kind == "Real":
-        return float(value)
-    return int(value) if kind in ("Integer", "Enumeration") else value
 
 
 def _fmus(case: Case, table: str) -> list[str]:
@@ -152,7 +120,7 @@ def _check_one(table: str, name: str, value: Any, files: Sequence[Path], where: 
         files_named = " and ".join(file.name for file in files)
         raise AeroSloshError(f"{files_named} has no parameter '{name}'", where, remedy + others)
     for variable in having:
-        fitting(variable, value, f"{table}.{KEY}.{name}", where)
+        fitted(variable, value, f"{table}.{KEY}.{name}", where)
 
 
 def _variables(path: Path) -> dict[str, Any]:
@@ -169,10 +137,3 @@ def _read(path: str, changed: int) -> dict[str, Any]:
     except Exception as error:  # FMPy raises bare Exceptions here
         raise AeroSloshError(f"{Path(path).name} cannot be read: {error}", path, "give an FMI 2.0 FMU") from None
     return {v.name: v for v in description.modelVariables if v.causality == "parameter"}
-
-
-def _limit(variable: Any, end: str) -> float | None:
-    """`min` or `max` of a variable, or of its type."""
-    given = getattr(variable, end, None)
-    given = getattr(variable.declaredType, end, None) if given is None else given
-    return None if given is None or variable.type == "Enumeration" else float(given)

@@ -43,7 +43,7 @@ def execute(options: argparse.Namespace) -> int:
     case = common.load_case(options, "boundary", changes)
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
-    common.check_fmus(options, case, fmus)
+    api.check_fmus(case, fmus)
     with RunFolder(common.run_folder(options, case.name)) as folder:
         folder.write_case(case)
         kept = api.Kept(case, folder, common.tell(options, [case], "boundary", folder.log))

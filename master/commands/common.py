@@ -12,8 +12,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from ..api.point import DOUBTS, noted
 from ..base.errors import AeroSloshError
-from ..case import airfoils, builtin, checks, fmu_parameters, plausible
+from ..case import builtin, checks
 from ..case import case as cases
 from ..case.case import Case
 from ..cosim import checkpoint
@@ -23,7 +24,6 @@ from ..fmi import installed
 from ..results.run_folder import RunFolder
 
 EVERY = 500  # steps between two checkpoints
-DOUBTS = 5  # warnings shown of a sweep's points
 
 
 def add_case(sub: argparse.ArgumentParser) -> None:
@@ -100,26 +100,14 @@ def load_case(options: argparse.Namespace, command: str = "", changes: Mapping[s
 def tell(options: argparse.Namespace, asked: Sequence[Case], command: str, log: Callable[[str], None]) -> dict[str, Any]:
     """Say what nobody gave in the cases `asked` (the points of a sweep, or one) and what is unusual in any of them: into the
     log, and on standard error but with --json; as data."""
-    silent = checks.told(asked[0], command)
-    doubts = list(dict.fromkeys(doubt for case in asked for doubt in plausible.doubts(case)))
+    silent, found = checks.told(asked[0], command), noted(asked, command)
+    doubts = found["warnings"]
     more = [f"warning: {len(doubts) - DOUBTS} more of the kind"] if len(doubts) > DOUBTS else []
     for text in [*([silent] if silent else []), *(f"warning: {doubt}" for doubt in doubts[:DOUBTS]), *more]:
         log(text)
         if not options.json:
             print(text, file=sys.stderr, flush=True)
-    return {"defaults": checks.defaults(asked[0], command), "warnings": doubts}
-
-
-def check_airfoil(options: argparse.Namespace, case: Case, aero: Path) -> None:
-    """Refuse an airfoil that the FMU `aero` does not know, before anything starts. Raises AeroSloshError."""
-    where = airfoils.place(options.case, options.set)
-    airfoils.check(case.flow.airfoil, where, aero, options.case.parent, Path())
-
-
-def check_fmus(options: argparse.Namespace, case: Case, fmus: Mapping[str, Path]) -> None:
-    """Refuse an airfoil or a parameter that the FMUs do not know, before anything starts. Raises AeroSloshError."""
-    check_airfoil(options, case, fmus["aero"])
-    fmu_parameters.check(case, fmus)
+    return found
 
 
 def run_folder(options: argparse.Namespace, name: str) -> Path:

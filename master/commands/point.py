@@ -38,7 +38,7 @@ def execute(options: argparse.Namespace) -> int:
     case = common.load_case(options, "point", {"flow.mach": options.mach, "flutter.V_f": options.vf})
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
-    common.check_fmus(options, case, fmus)
+    api.check_fmus(case, fmus)
     files, settings = api.files(case, fmus), cases.flat(case)
     hashes = {name: unpack.sha256(path) for name, path in files.items()}
     # all this before the steady flow, which may take minutes

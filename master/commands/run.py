@@ -6,18 +6,14 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from ..api import simulate as api
 from ..base.errors import ExitCode, show
 from ..case import builtin
 from ..cosim import system_file as assemblies
-from ..cosim import system_run
+from ..cosim.checkpoint import Checkpoint, Keeper
 from ..cosim.progress import Progress
 from ..cosim.system_file import Assembly
-from ..cosim.system_run import Simulation
-from ..fmi import installed, table_drive
-from ..results.history_writer import write_simulation
-from ..results.provenance import provenance
+from ..fmi import installed
 from ..results.run_folder import RunFolder
 from . import HELP, common
 
@@ -40,45 +36,28 @@ def register(commands: Any) -> None:
 def execute(options: argparse.Namespace) -> int:
     """One run."""
     assembly = assemblies.load(options.system, options.set)
+    assembly.run.pictures = assembly.run.pictures and not options.no_pictures
     progress = Progress(options.quiet or options.json)
     files = assemblies.find(assembly, options.fmus)
     with RunFolder(options.out or Path("runs") / f"{assembly.name}_run") as folder:
         folder.write_settings(assemblies.dump(assembly))
-        system = assemblies.build(assembly, files)
-        try:
-            hashes = {c.name: c.sha256 for c in system.everyone}
+
+        def keep(hashes: dict[str, str]) -> tuple[Keeper | None, Checkpoint | None]:
             settings = assemblies.flat(assembly)
-            keeper = common.keeper(options, settings, hashes)
-            start = common.restart(options, settings, hashes, ("run.end", "run.pictures"))
-            for loop in system.loops:
-                folder.log(f"algebraic loop, closed by the coupling scheme {assembly.coupling.scheme}: {' '.join(loop)}")
-            if assembly.dt != assembly.run.step:
-                common.say(f"steps of {assembly.dt!r} s: the run holds no whole number of run.step", folder, progress)
-            progress.start(assembly.name)
-            result = system_run.simulate(assembly, system, progress.watch, keeper, start)
-            folder.log_messages(system.everyone)
-        finally:
-            system.close()
+            return common.keeper(options, settings, hashes), common.restart(
+                options, settings, hashes, ("run.end", "run.pictures")
+            )
+
+        ran = api.compute(assembly, files, progress, folder, keep)
         folder.keep()
-        about, data = provenance(hashes), system_run.data(result)
-        text = _summary(assembly, data)
+        text = _summary(assembly, ran.data)
         folder.log(text)
-        with common.printed(options, data, text, folder):
-            write_simulation(folder.path / "history.nc", result, about)
-            folder.write_result(data | {"provenance": about})
-            if assembly.run.pictures and not options.no_pictures:
-                _draw(folder.path / "histories.png", result)
-        if result.failure is not None:
-            show(result.failure)
+        with common.printed(options, ran.data, text, folder):
+            api.write(assembly, ran, folder)
+        if ran.result.failure is not None:
+            show(ran.result.failure)
             return ExitCode.COMPONENT
-        return ExitCode.OK if result.converged else ExitCode.UNDETERMINED
-
-
-def _draw(path: Path, result: Simulation) -> None:
-    nothing = table_drive.Table(result.time, [], np.zeros((result.time.size, 0)))
-    from ..pictures import table as table_picture  # matplotlib takes half a second to import
-
-    table_picture.draw(path, nothing, {"time": result.time, **result.outputs}, result.units)
+        return ExitCode.OK if ran.result.converged else ExitCode.UNDETERMINED
 
 
 def _summary(assembly: Assembly, data: dict[str, Any]) -> str:

@@ -14,7 +14,6 @@ from ..base.errors import AeroSloshError, ExitCode
 from ..case import airfoils
 from ..case import case as cases
 from ..case.case import Case
-from ..flutter.setup import find_fmus
 from ..sweeps import estimate, plan, sweep
 from ..sweeps.jobs import Job
 from ..sweeps.parameters import Parameter, from_case, from_words
@@ -66,8 +65,6 @@ def execute(options: argparse.Namespace) -> int:
     case, parameters = _case(options)
     if options.resume:
         _airfoil_as_begun(options, case)
-    if airfoils.KEY not in [p.name for p in parameters]:
-        common.check_airfoil(options, case, find_fmus(options.fmus)["aero"])
     wanted = plan.make(case, parameters, options.fmus, str(options.case))
     folder = common.run_folder(options, case.name).absolute()
     progress = SweepProgress(options.quiet or options.json)
@@ -91,7 +88,6 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
         sweep.log(folder, text)
 
     begin = clock.perf_counter()
-    case.given |= set(wanted.names)
     told = common.tell(options, [p.case for p in wanted.points], wanted.kind, lambda text: sweep.log(folder, text))
     store = Store.open(folder, say)
     settings = api.Settings(workers, options.recycle, options.scheduler, options.resume, options.retry_failed)

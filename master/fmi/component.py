@@ -21,10 +21,11 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
-from ..base import interrupts, settings, toml_text
+from ..base import interrupts, settings
 from ..base.errors import AeroSloshError, ComponentError
 from . import log as fmi_log
 from . import unpack
+from .values import fitted
 
 STATUS = {0: "OK", 1: "warning", 2: "discarded", 3: "error", 4: "fatal", 5: "pending"}
 KINDS: dict[str, Any] = {
@@ -32,15 +33,6 @@ KINDS: dict[str, Any] = {
     "Integer": ctypes.c_int,
     "Enumeration": ctypes.c_int,
     "Boolean": ctypes.c_int,
-}
-
-
-WANTED = {
-    "Real": "a number",
-    "Integer": "a whole number",
-    "Enumeration": "the whole number of one of its values",
-    "Boolean": "true or false",
-    "String": 'a text in "quotes"',
 }
 
 
@@ -192,22 +184,14 @@ class Component:
     # values
 
     def check_and_set(self, variable: str, value: Any, where: str) -> None:
-        """Set a parameter or a start value, if it exists and its type fits; an enumeration also by the name of its item.
+        """Set a parameter or a start value, if it exists and the value fits (`values.fitted`).
 
         Raises AeroSloshError; `where`: the key it comes from."""
         names = [n for n, v in self.variables.items() if v.causality in ("parameter", "input")]
         if variable not in names:
             remedy = settings.nearest(variable, names, f"those of {self.path.name} are")
             raise AeroSloshError(f"'{self.name}' has no parameter or input '{variable}'", where, remedy)
-        known = self.variables[variable]
-        items = {item.name: int(item.value) for item in getattr(known.declaredType, "items", None) or []}
-        if known.type == "Enumeration" and value in items:
-            value = items[value]
-        kinds = {"Real": (int, float), "Integer": (int,), "Enumeration": (int,), "Boolean": (bool,), "String": (str,)}[known.type]
-        if not isinstance(value, kinds) or (isinstance(value, bool) and known.type != "Boolean"):
-            wanted = f"one of {', '.join(items)}" if items else WANTED[known.type]
-            raise AeroSloshError(f"{variable} = {toml_text.literal(value)} is no {known.type}", where, f"give {wanted}")
-        self.set(variable, value)
+        self.set(variable, fitted(self.variables[variable], value, variable, where))
 
     def set(self, name: str, value: float | int | bool | str) -> None:
         """Set one variable of any type."""

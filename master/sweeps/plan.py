@@ -84,8 +84,8 @@ def make(case: Case, parameters: Sequence[Parameter], fmu_folder: Path, where: s
         own = cases.changed(bare, _keys(kind, overrides, where), f"{where}, point {n} of the sweep ({text})", kind)
         files = _files(own, fmu_folder, digests)
         fmu_parameters.check(own, {name: path for name, (path, _) in files.items()})
-        if airfoils.KEY in names and own.flow.airfoil not in known:
-            place = parameters[names.index(airfoils.KEY)].where
+        if own.flow.airfoil not in known:
+            place = parameters[names.index(airfoils.KEY)].where if airfoils.KEY in names else airfoils.place(case)
             airfoils.check(own.flow.airfoil, place, files["aero"][0], Path(where).parent, Path())
             known.add(own.flow.airfoil)
         label = _identity(kind, own, files)

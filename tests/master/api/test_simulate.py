@@ -36,7 +36,7 @@ def test_one_fmu_answers_a_table_however_it_is_given(fmu: Callable[[str], Path],
         ({"time": [0.0, 1.0], "x": [0.0, np.nan]}, {}, "'x' holds a number that is not finite"),
         ({"time": [0.0, 1.0], "xx": [0.0, 1.0]}, {}, "'xx' is no Real input"),
         (TABLE, {"tank_lenght": 0.4}, "tank_length"),
-        (TABLE, {"tank_length": "long"}, "is no Real"),
+        (TABLE, {"tank_length": "long"}, "tank_length has the wrong type"),
     ],
 )
 def test_what_does_not_fit_is_refused(table: dict, parameters: dict, said: str, fmu: Callable[[str], Path]) -> None:

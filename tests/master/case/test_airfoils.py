@@ -71,10 +71,11 @@ def test_an_fmu_without_the_table_lets_every_name_through(tmp_path: Path) -> Non
 def test_the_place_is_the_line_or_the_last_override(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text('[flow]\nmach = 0.7\nairfoil = "x"\n')
-    assert airfoils.place(case, []) == f"{case}, line 3, key flow.airfoil"
-    assert airfoils.place(case, ["flow.airfoil=a", "flow.mach=0.6"]) == "--set flow.airfoil=a"
+    assert airfoils.place(cases.load(case)) == f"{case}, line 3, key flow.airfoil"
+    overrides = ["flow.airfoil=b", "flow.airfoil=a", "flow.mach=0.6"]
+    assert airfoils.place(cases.load(case, overrides)) == "--set flow.airfoil=a"
     case.write_text("[flow]\nmach = 0.7\n")
-    assert "default" in airfoils.place(case, [])
+    assert "default" in airfoils.place(cases.load(case))
 
 
 def test_a_relative_file_is_resolved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,18 +18,10 @@ from aeroslosh.master.cosim.implicit import Criteria, Implicit
 from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme, StepReport
 from aeroslosh.master.cosim.system import System, wires
 from aeroslosh.master.fmi.component import Component
+from support.doubles import LINKED
 
 M_A, M_B, K_A, K_B, K_LINK, C_LINK = 1.0, 2.0, 4.0, 3.0, 2.0, 0.1
 END = 4.0
-WIRES = """
-a.x -> link.x_a
-a.v -> link.v_a
-a.a -> link.a_a
-b.x -> link.x_b
-b.v -> link.v_b
-link.force_a -> a.force
-link.force_b -> b.force
-"""
 
 
 class Builder:
@@ -56,7 +48,7 @@ class Builder:
             surrogates["link"] = Component(self.folder / "link.fmu", "guess")
             surrogates["link"].set("mass_a", guess)
         named = {"a": a, "b": b, "link": link}
-        system = System([named[n] for n in order], wires(WIRES), surrogates=surrogates)
+        system = System([named[n] for n in order], wires(LINKED), surrogates=surrogates)
         self.made.append(system)
         return system
 

@@ -19,6 +19,7 @@ from aeroslosh.master.cosim.scheme import GaussSeidel, Jacobi, Scheme
 from aeroslosh.master.cosim.substeps import Pace, Stride
 from aeroslosh.master.cosim.system import System, wires
 from aeroslosh.master.fmi.component import Component
+from support.doubles import LINKED
 
 PARTS: dict[str, dict[str, float]] = {
     "a": {"mass": 1.0, "stiffness": 4.0, "damping": 0.2, "initial_x": 1.0},
@@ -26,15 +27,6 @@ PARTS: dict[str, dict[str, float]] = {
     "link": {"stiffness": 2.0, "damping": 0.1},
 }
 END = 1.5
-WIRES = """
-a.x -> link.x_a
-a.v -> link.v_a
-a.a -> link.a_a
-b.x -> link.x_b
-b.v -> link.v_b
-link.force_a -> a.force
-link.force_b -> b.force
-"""
 Build = Callable[..., System]
 
 
@@ -49,7 +41,7 @@ def build(doubles: Path, springs: Path) -> Iterator[Build]:
             path = next(folder / f"{fmu}.fmu" for folder in (springs, doubles) if (folder / f"{fmu}.fmu").is_file())
             parts.append(Component(path, name))
             parts[-1].set_all(PARTS[name])
-        made.append(System(parts, wires(WIRES), paces))
+        made.append(System(parts, wires(LINKED), paces))
         return made[-1]
 
     yield make
