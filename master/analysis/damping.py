@@ -27,6 +27,7 @@ from .pencil import pencil
 VISIBLE = 0.02  # a pole counts when it makes this share of a channel
 SUSPECT = 1e-3, 10.0, 5.0  # a smaller one may yet: share, share over residual, growth rate over its noise at least
 HARMONIC = 0.005  # relative distance from a multiple of a stronger mode's pole within which a weaker one is its harmonic
+CLOSE = 0.03  # relative distance in frequency within which two poles may be one mode that changes with its amplitude
 FORECAST_SHARE = 2e-3  # a pole with less may be left out of a forecast
 DEAD = 0.05  # of the whole rms: what is left of a motion that has died
 SAMPLES = 1500  # longer signals are thinned to this many for the fit
@@ -156,6 +157,8 @@ def _critical(modes: list[Mode], reals: list[Mode]) -> Mode:
     own = [m for m in modes if not _harmonic(m, modes)]
     known = [m for m in own if m.share >= VISIBLE and m.growth_rate_std < 0.05]
     best = max(known or own, key=lambda m: m.growth_rate if known else m.share, default=None)
+    if best is not None and best.growth_rate > 0.0:  # growing all of them: what is read of it is the strongest
+        best = max((m for m in known if close(m, best) and m.growth_rate > 0.0), key=lambda m: m.share, default=best)
     rising = [m for m in reals if m.share >= VISIBLE and m.growth_rate > SUSPECT[2] * m.growth_rate_std]
     real = max(rising if best is not None else reals, key=lambda m: m.growth_rate, default=None)
     if best is None or (real is not None and real.growth_rate > max(best.growth_rate, 0.0)):
@@ -165,15 +168,26 @@ def _critical(modes: list[Mode], reals: list[Mode]) -> Mode:
 
 
 def _harmonic(mode: Mode, modes: list[Mode]) -> bool:
-    """Whether `mode` is what a nonlinear response adds at twice or three times a stronger mode's pole."""
+    """Whether `mode` is what a nonlinear response adds at twice or three times a stronger mode's pole.
+
+    A mode that changes with its amplitude shows as several close poles: its harmonics lie among their multiples."""
     for other in modes:
+        if other.share <= 5.0 * mode.share:
+            continue
+        own = [m for m in modes if close(m, other) and m.share > mode.share]
+        frequencies, rates = [m.frequency for m in own], [m.growth_rate for m in own]
         for n in (2, 3):
             near = max(3.0 * (mode.frequency_std + n * other.frequency_std), HARMONIC * mode.frequency)
-            same = abs(mode.frequency - n * other.frequency) < near
-            alike = abs(mode.growth_rate - n * other.growth_rate) < max(near, 3.0 * mode.growth_rate_std)
-            if other.share > 5.0 * mode.share and same and alike:
+            far = max(near, 3.0 * mode.growth_rate_std)
+            same = n * min(frequencies) - near < mode.frequency < n * max(frequencies) + near
+            if same and n * min(rates) - far < mode.growth_rate < n * max(rates) + far:
                 return True
     return False
+
+
+def close(a: Mode, b: Mode) -> bool:
+    """Whether two poles may be one mode that changes with its amplitude."""
+    return abs(a.frequency - b.frequency) <= CLOSE * b.frequency
 
 
 def _forecast(tau: np.ndarray, z: np.ndarray, base: Solution) -> float:

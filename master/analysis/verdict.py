@@ -14,7 +14,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from .damping import Fit, Mode, analyse
+from .damping import Fit, Mode, analyse, close
 
 MORE_CYCLES = "add free cycles (flutter.free_cycles, flutter.max_free_cycles)"
 RESIDUAL = 0.02  # exponentials that miss more of a response than this do not describe it
@@ -25,7 +25,6 @@ LAST_PERIODS = 5  # whose amplitudes are compared
 PART = 0.6  # of the response, tried where the whole is not described
 CERTAIN = 2.0 / 3.0  # of a growth rate: what twice its standard deviation may be, three of them tell its sign
 SMALL = 0.1  # of the critical mode's amplitude
-SAME = 0.03  # relative difference in frequency below which two poles are one mode that changes with amplitude
 SURE_STIFFNESS = 0.02  # relative pitch stiffness left by the steady flow that its sign is certain of
 LARGE = 0.2  # share of a channel from which a growing real pole is motion and no drift of the mean
 
@@ -148,7 +147,7 @@ def _died(fit: Fit) -> bool:
 
 def _own_change(fit: Fit, critical: Mode) -> float:
     """Amplitude of pitch at the window's end over that a period after its start, of the poles of the critical frequency."""
-    own = [m for m in fit.modes if abs(m.frequency - critical.frequency) <= SAME * critical.frequency]
+    own = [m for m in fit.modes if close(m, critical)]
     t = np.array([2.0 * np.pi / critical.frequency, fit.end - fit.start])
     with np.errstate(under="ignore"):
         size = np.abs(sum(m.amplitudes[-1] * np.exp((m.growth_rate + 1j * m.frequency) * t) for m in own))

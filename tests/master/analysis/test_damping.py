@@ -183,6 +183,17 @@ def test_harmonics_of_a_nonlinear_response_are_not_its_growth_rate() -> None:
     assert fit.growth_rate == pytest.approx(0.01, abs=1e-6)
 
 
+def test_a_mode_that_outgrows_linear_motion_is_read_by_its_strongest_pole() -> None:
+    """As at Mach 0.6, V_f 1.954: one mode fitted by two close growing poles, and a harmonic between their multiples."""
+    t = tau(3)
+    base = np.exp(0.074 * t) * np.cos(1.94 * t)
+    change = 0.1 * np.exp(0.1 * t) * np.cos(1.97 * t + 1.0)
+    third = 2e-3 * np.exp(0.25 * t) * np.cos(5.88 * t + 0.5)
+    fit = fitted(t, 0.01 * np.vstack([base + change + third, 0.56 * base - 0.3 * change + 0.8 * third]))
+    assert fit.growth_rate == pytest.approx(0.074, abs=2e-3)
+    assert fit.frequency == pytest.approx(1.94, abs=2e-3)
+
+
 @pytest.mark.parametrize(
     ("sigma", "verdict"),
     [(-0.01, Verdict.DAMPED), (0.0002, Verdict.NEUTRAL), (0.01, Verdict.FLUTTER), (0.08, Verdict.FLUTTER)],
