@@ -37,7 +37,9 @@ class Settings:
     """How hard each flow is solved.
 
     tolerance: rms density change of the last subiteration over that of the whole step; cfl: pseudo-time step of a
-    subiteration; steady_tolerance: rms density change an iteration; steady_cfl, steady_step: local and global pseudo-time step.
+    subiteration; steady_tolerance: rms density change an iteration; steady_cfl, steady_step: local and global pseudo-time step,
+    the global one not below steady_least_cfl in any cell (the cells at the outer boundary are several chords large);
+    steady_lift: relative error of the lift that is left, by the trend of its last changes.
     """
 
     tolerance: float = 1e-2
@@ -46,4 +48,6 @@ class Settings:
     steady_tolerance: float = 3e-7
     steady_iterations: int = 3000
     steady_cfl: float = 20.0
-    steady_step: float = 0.4
+    steady_step: float = 1.0
+    steady_least_cfl: float = 10.0
+    steady_lift: float = 1e-4

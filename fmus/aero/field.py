@@ -136,9 +136,10 @@ class Field:
             self._ghost.reshape(-1), self.pressure, self.farfield.state.reshape(-1), self._motion, ni, nj,
         )  # fmt: skip
 
-    def linearised(self, weight: float, cfl: float) -> Factors:
-        """Factors of the present flow with time weight [1/time] and pseudo-time step `cfl`."""
-        return Factors(Recipe(self.q.copy(), self.farfield.state.copy(), weight, cfl), self.mesh, self.blocks)
+    def linearised(self, weight: float, cfl: float, least_cfl: float = np.inf) -> Factors:
+        """Factors of the present flow with time weight [1/time] and pseudo-time step `cfl`; least_cfl: see Recipe."""
+        recipe = Recipe(self.q.copy(), self.farfield.state.copy(), weight, cfl, least_cfl)
+        return Factors(recipe, self.mesh, self.blocks)
 
     def relax(self, factors: Factors) -> float:
         """One correction of `q` against `out`; returns the rms density change, NaN when it blew up."""

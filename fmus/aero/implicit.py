@@ -142,13 +142,15 @@ def solve(around: Any, across: Any, r: Any, x: Any, ni: int, nj: int, buffer: An
 class Recipe:
     """What a linearisation was made from: enough to make it again to the last bit.
 
-    flow: (nj, 4, ni) in body axes; far: (4, ni); weight: of the time derivative [1/time]; cfl: of the pseudo-time step.
+    flow: (nj, 4, ni) in body axes; far: (4, ni); weight: of the time derivative [1/time]; cfl: of the pseudo-time step;
+    least_cfl: below which `weight` lets no cell fall (infinite: it holds everywhere, as a march needs).
     """
 
     flow: Array
     far: Array
     weight: float
     cfl: float
+    least_cfl: float = np.inf
 
 
 class Blocks:
@@ -170,7 +172,10 @@ class Factors:
         # lanes that pad the last group stay zero
         around = np.zeros((groups_j, ni, 4, 16, LANES), dtype=np.float32)
         across = np.zeros((groups_i, nj, 3, 16, LANES), dtype=np.float32)
-        shift = (mesh.volume * recipe.weight + radius / recipe.cfl).ravel()
+        time = mesh.volume * recipe.weight
+        if np.isfinite(recipe.least_cfl):
+            time = np.minimum(time, radius / recipe.least_cfl)
+        shift = (time + radius / recipe.cfl).ravel()
         self._around, self._across = around.ravel(), across.ravel()
         factorise_around(diagonal.ravel(), near[0].ravel(), near[1].ravel(), shift, ni, nj, self._around)
         factorise_across(diagonal.ravel(), near[2].ravel(), near[3].ravel(), shift, ni, nj, self._across)

@@ -16,6 +16,12 @@ RAMP = 30
 RENEW = 50
 """Iterations between linearisations."""
 COARSE_TOLERANCE = 2e-5
+TREND = 40
+"""Iterations over which changes of the lift are compared."""
+SLOWEST = 0.9
+"""Largest ratio of such changes that is believed: beyond, they do not fall."""
+LIFT = 0.01
+"""Lift coefficient below which what is left of it counts absolutely, not relatively."""
 
 
 def solve(field: Field, incidence: float, settings: Settings) -> StepReport:
@@ -48,11 +54,13 @@ def _coarse_start(field: Field, incidence: float, settings: Settings) -> Array |
 
 def _iterate(field: Field, incidence: float, settings: Settings, tolerance: float, ramp: int) -> StepReport:
     start = field.q.copy()
-    change, caution, retries, iteration = np.inf, 1.0, 0, 0
+    change, converged, caution, retries, iteration = np.inf, False, 1.0, 0, 0
+    lifts: list[float] = []
     while iteration < settings.steady_iterations:
         if iteration % RENEW == 0 or (iteration < ramp and iteration % 8 == 0):
             share = caution * (min(1.0, 0.1 + iteration / ramp) if ramp else 1.0)
-            factors = field.linearised(1 / (settings.steady_step * share), settings.steady_cfl * share)
+            least = settings.steady_least_cfl * share
+            factors = field.linearised(1 / (settings.steady_step * share), settings.steady_cfl * share, least)
         field.evaluate()
         change = field.relax(factors)
         if not np.isfinite(change):
@@ -62,13 +70,27 @@ def _iterate(field: Field, incidence: float, settings: Settings, tolerance: floa
             # smaller pseudo-steps from where it began
             caution, iteration, ramp, field.q[:] = 0.4 * caution, 0, max(ramp, RAMP), start
             field.farfield.set(incidence, 0.0)
+            lifts.clear()
             continue
         iteration += 1
-        field.farfield.set(incidence, field.coefficients.lift)
-        if change < tolerance:
+        lifts.append(field.coefficients.lift)
+        field.farfield.set(incidence, lifts[-1])
+        converged = change < tolerance and _left_of_lift(lifts) < settings.steady_lift
+        if converged:
             break
     field.find_pressure()
-    return StepReport(iteration, float(change), bool(change < tolerance), retries)
+    return StepReport(iteration, float(change), converged, retries)
+
+
+def _left_of_lift(lifts: list[float]) -> float:
+    """What the lift still lacks, relative, if its changes go on falling as they did; infinite while that cannot be said.
+
+    The circulation settles last, as the starting vortex leaves, by changes too small for the tolerance on the density."""
+    if len(lifts) <= 2 * TREND:
+        return np.inf
+    new, old = abs(lifts[-1] - lifts[-1 - TREND]), abs(lifts[-1 - TREND] - lifts[-1 - 2 * TREND])
+    ratio = min(new / max(old, 1e-300), SLOWEST)
+    return new * ratio / (1.0 - ratio) / max(abs(lifts[-1]), LIFT)
 
 
 def _refined(q: Array) -> Array:

@@ -66,7 +66,7 @@ class Aero:
 
     cells_around: int = key(168, "cells around the airfoil", low=64, high=4096)
     cells_normal: int = key(48, "cells from wall to farfield", low=16, high=1024)
-    farfield_chords: float = key(25.0, "distance of the outer boundary", "chords", low=5.0, high=1000.0)
+    farfield_chords: float = key(200.0, "distance of the outer boundary", "chords", low=5.0, high=1000.0)
     tolerance: float | str = key("auto", "tolerance of the subiterations", above=0.0, choices=["auto"])
     max_subiterations: int | str = key("auto", "most subiterations a step", low=1, choices=["auto"])
     parameters: dict[str, Any] = field(

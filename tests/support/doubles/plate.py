@@ -19,7 +19,7 @@ REALS = (
     ("elastic_axis", 0.25, "1"),
     ("static_pressure", 101325.0, "Pa"),
     ("static_temperature", 288.15, "K"),
-    ("farfield_chords", 25.0, "1"),
+    ("farfield_chords", 200.0, "1"),
 )
 
 
