@@ -29,7 +29,7 @@ MAY = {
     "boundary": "base cosim case analysis flutter linear",
     "results": "base fmi cosim case analysis flutter boundary",
     "pictures": "base fmi case flutter linear boundary results",
-    "sweeps": "base fmi case analysis flutter linear boundary results",
+    "sweeps": "base fmi cosim case analysis flutter linear boundary results",
     "ssp": "base cosim case flutter results",
     "hosts": "base fmi pictures",
     "training": "base fmi case",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
+import tempfile
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +28,7 @@ from ..results import by_value, summary, trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
-from . import datasets, plots
+from . import datasets, plots, side_by_side
 from .case import Case
 from .point import check_fmus, draw_section, fmu_folder, section_file, warned, with_changes
 from .progress import Callback, Cancelled, Reporter, interruptible, reporter
@@ -116,11 +118,14 @@ def boundary(
     uncertainty: bool | None = None,
     folder: str | os.PathLike[str] | None = None,
     fmus: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
     progress: bool | Callback = False,
 ) -> Boundary:
     """Every neutral V_f of the Mach numbers `mach` (or of boundary.mach).
 
     V_f, method, uncertainty  instead of flutter.V_f (where to start), boundary.method, boundary.uncertainty
+    workers  processes that search Mach numbers side by side (default: one for each usable core); the results are the same.
+             With method "march" each Mach number begins where the one before it crossed: one process, whatever is given
     slosh, folder, fmus, progress  as in `point`
 
     A Mach number at which something fails is a point with that outcome. A callback that returns False ends the search: what was
@@ -128,18 +133,19 @@ def boundary(
     machs = None if mach is None else _numbers(mach)
     changes = {"boundary.mach": machs, "flutter.V_f": V_f, "slosh.model": slosh}
     core = with_changes(case, changes | {"boundary.method": method, "boundary.uncertainty": uncertainty}, "boundary")
+    count = side_by_side.wanted(workers, f"workers = {workers!r}", "ae.boundary")
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
     check_fmus(core, found)
     report, said = reporter(progress), warned([core], "boundary")
     with interruptible():
         if folder is None:
             kept = Kept(core, None, said)
-            _until_cancelled(core, found, kept, report)
+            _until_cancelled(core, found, kept, report, count)
             return Boundary(Case(core), kept.data())
         with RunFolder(Path(folder)) as run:
             run.write_case(core)
             kept = Kept(core, run, said)
-            points = _until_cancelled(core, found, kept, report)
+            points = _until_cancelled(core, found, kept, report, count)
             draw(core, points, kept, run)
             run.write_result(kept.data() | {"provenance": provenance(kept.hashes)})
         return Boundary(Case(core), kept.data(), run.target)
@@ -154,21 +160,28 @@ class Kept:
     def __init__(self, case: cases.Case, folder: RunFolder | None = None, told: dict[str, Any] | None = None) -> None:
         self.case, self.folder, self.hashes, self._told = case, folder, dict[str, str](), told or {}
         self.airfoil = ""  # what the aero FMU says of its section
-        self._rows: list[dict[str, Any]] = []
-        self._finished = self._written = 0
+        self.cpu: dict[int, float] = {}  # seconds that worker processes have taken
+        self._rows: dict[int, dict[str, Any]] = {}  # by the place of the Mach number in the case
+        self._finished = set[int]()
+        self._written = set[int]()
         self._begin = clock.perf_counter(), clock.process_time()
 
     def data(self) -> dict[str, Any]:
         """For JSON; `unfinished` names the Mach numbers that are still to be computed."""
-        cost = {"wall_seconds": clock.perf_counter() - self._begin[0], "cpu_seconds": clock.process_time() - self._begin[1]}
+        wall, own = clock.perf_counter() - self._begin[0], clock.process_time() - self._begin[1]
+        rows = [row for _, row in sorted(self._rows.items())]
         return {
             "slosh": self.case.slosh.model,
             "airfoil_summary": self.airfoil or None,
-            "points": self._rows,
-            "matched": by_value.matched(self._rows),
-            "unfinished": self.case.boundary.mach[self._finished :],
-            "cost": cost,
+            "points": rows,
+            "matched": by_value.matched(rows),
+            "unfinished": self._left(self._finished),
+            "cost": {"wall_seconds": wall, "cpu_seconds": own + sum(self.cpu.values())},
         } | self._told
+
+    def _left(self, done: set[int]) -> list[float]:
+        """The Mach numbers that are not `done`."""
+        return [m for n, m in enumerate(self.case.boundary.mach) if n not in done]
 
     def add(self, point: BoundaryPoint) -> None:
         """A Mach number is done, or interrupted with some marches. Raises OSError; what was kept before stays."""
@@ -176,13 +189,15 @@ class Kept:
             self._add(point)
 
     def _add(self, point: BoundaryPoint) -> None:
-        self._finished += not point.interrupted
-        self._rows.append({"slosh": self.case.slosh.model} | _row(point))
+        place = next(n for n, m in enumerate(self.case.boundary.mach) if m == point.mach and n not in self._rows)
+        if not point.interrupted:
+            self._finished.add(place)
+        self._rows[place] = {"slosh": self.case.slosh.model} | _row(point)
         if self.folder is None:
             return
         about = provenance(self.hashes)
         self.folder.write_result(self.data() | {"provenance": about})
-        self._written = self._finished
+        self._written = set(self._finished)
         self.folder.publish()
         for march in point.marches:
             write_history(self.folder.path / f"history_M{point.mach:g}_Vf{march.scales.V_f:.4f}.nc", march, about)
@@ -196,9 +211,9 @@ class Kept:
 
     def told(self) -> str:
         """How much is kept, and how to go on."""
-        left = self.case.boundary.mach[self._written :]
+        left = self._left(self._written)
         more = f"; the others: --mach {' '.join(f'{m:g}' for m in left)}" if left else ""
-        return f"{self._written} of {len(self.case.boundary.mach)} Mach numbers are finished and kept{more}"
+        return f"{len(self._written)} of {len(self.case.boundary.mach)} Mach numbers are finished and kept{more}"
 
     def unwritable(self, error: OSError) -> AeroSloshError:
         """What a user is told when the disk does not take a result."""
@@ -206,42 +221,98 @@ class Kept:
         return disk.explained(error, place, f"free space, or give another folder with --out; {self.told()}")
 
 
-def compute(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporter) -> list[BoundaryPoint]:
-    """The points; each march said as it ends, each point kept."""
-    folder = kept.folder
-
-    def say(text: str) -> None:
-        if folder is not None:
-            folder.log(text)
-        report.say(text)
+def compute(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporter, workers: int = 1) -> list[BoundaryPoint]:
+    """The points; each march said as it ends, each point kept. By `workers` processes where Mach numbers do not depend on one
+    another, that is with a linear model; in this one with marches alone."""
+    told = _Told(case, kept, report)
+    count = min(workers, len(case.boundary.mach))
+    if count > 1 and case.boundary.method != "march":
+        return _side_by_side(case, fmus, told, count)
 
     def before_march(setup: FlutterSetup, V_f: float) -> Watcher:
         report.start(f"M {setup.mach:g} V_f {V_f:.4g}")
         return report.watch
 
     def on_march(setup: FlutterSetup, march: March) -> None:
+        told.march(march)
+        if told.folder is not None:
+            told.folder.log_messages(setup.system.components)
+
+    def on_point(point: BoundaryPoint) -> None:
+        kept.add(point)  # before anything that may cancel
+        told.outcome(point)
+
+    def on_setup(setup: FlutterSetup) -> None:
+        told.setup(setup.hashes(), setup.airfoil_summary)
+
+    def section() -> Path | None:  # the folder's name changes with the first point
+        return section_file(told.folder) if told.folder is not None and case.output.pictures else None
+
+    return solve.solve(case, fmus, told.say, on_point, on_march, before_march, on_setup, section)
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What is said of a boundary, on the terminal and in the log."""
+
+    case: cases.Case
+    kept: Kept
+    report: Reporter
+
+    @property
+    def folder(self) -> RunFolder | None:
+        """Where the log is."""
+        return self.kept.folder
+
+    def say(self, text: str) -> None:
+        """A line."""
+        if self.folder is not None:
+            self.folder.log(text)
+        self.report.say(text)
+
+    def setup(self, hashes: dict[str, str], airfoil: str) -> None:
+        """The FMUs of a Mach number, and what the aero FMU says of its section."""
+        self.kept.hashes.update(hashes)
+        self.kept.airfoil = airfoil
+
+    def march(self, march: March) -> None:
+        """A march is done."""
         fit, s = march.fit, march.scales
         rate = f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}" if fit else march.reason
         worst = trust.validity(march)
         rate += "" if worst is None or fuel_tank.holds(worst) else f", {fuel_tank.broken(worst)}"
-        say(f"  Mach {s.mach:g}, V_f {s.V_f:.4f}: {rate}, {march.cost.wall:.1f} s")
-        if folder is not None:
-            folder.log_messages(setup.system.components)
+        self.say(f"  Mach {s.mach:g}, V_f {s.V_f:.4f}: {rate}, {march.cost.wall:.1f} s")
 
-    def on_point(found: BoundaryPoint) -> None:
-        kept.add(found)  # before anything that may cancel
-        say(f"Mach {found.mach:g}: {summary.point_data(found)['outcome']}")
-        if found.failure is not None and folder is not None:
-            folder.log(f"{found.failure}\n{found.failure.traceback}")
+    def outcome(self, point: BoundaryPoint) -> None:
+        """A Mach number is done."""
+        self.say(f"Mach {point.mach:g}: {summary.point_data(point)['outcome']}")
+        if point.failure is not None and self.folder is not None:
+            self.folder.log(f"{point.failure}\n{point.failure.traceback}")
 
-    def on_setup(setup: FlutterSetup) -> None:
-        kept.hashes.update(setup.hashes())
-        kept.airfoil = setup.airfoil_summary
 
-    def section() -> Path | None:  # the folder's name changes with the first point
-        return section_file(folder) if folder is not None and case.output.pictures else None
+def _side_by_side(case: cases.Case, fmus: dict[str, Path], told: _Told, workers: int) -> list[BoundaryPoint]:
+    """The points, by worker processes. The aero FMUs' tables of the section go through a folder of their own: the run's folder
+    changes its name meanwhile."""
+    with tempfile.TemporaryDirectory(prefix="aeroslosh_boundary_") as temporary:
 
-    return solve.solve(case, fmus, say, on_point, on_march, before_march, on_setup, section)
+        def section(place: int) -> Path | None:
+            return Path(temporary) / f"airfoil_{place}.csv" if told.folder is not None and case.output.pictures else None
+
+        def on_setup(place: int, hashes: dict[str, str], airfoil: str) -> None:
+            told.setup(hashes, airfoil)
+            written = section(place)
+            if written is not None and written.is_file() and told.folder is not None:
+                shutil.move(written, section_file(told.folder))
+
+        def on_march(march: March, messages: Sequence[tuple[str, int, str]]) -> None:
+            told.march(march)
+            if told.folder is not None:
+                told.folder.log_lines(messages)
+
+        heard = side_by_side.Listener(
+            told.say, on_march, on_setup, told.kept.add, told.outcome, told.report.beside, told.kept.cpu.__setitem__
+        )
+        return side_by_side.SideBySide(case, fmus, workers, heard, section).run()
 
 
 def draw(case: cases.Case, points: list[BoundaryPoint], kept: Kept, folder: RunFolder) -> None:
@@ -267,10 +338,10 @@ def _numbers(mach: Any) -> list[float]:
         raise AeroSloshError(f"mach = {mach!r}", "ae.boundary", "a number, or a list of numbers") from None
 
 
-def _until_cancelled(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporter) -> list[BoundaryPoint]:
+def _until_cancelled(case: cases.Case, fmus: dict[str, Path], kept: Kept, report: Reporter, workers: int) -> list[BoundaryPoint]:
     """The points; none where a callback cancelled: `kept` has what was finished."""
     try:
-        return compute(case, fmus, kept, report)
+        return compute(case, fmus, kept, report, workers)
     except Cancelled:
         return []
 

@@ -52,6 +52,9 @@ class Reporter(Protocol):
     def watch(self, step: int, steps: int, system: System) -> None:
         """After each step of it."""
 
+    def beside(self, label: str, done: int, total: int, line: str) -> None:
+        """One of several things at work side by side has come to `done` of `total`; `line` tells of all of them."""
+
 
 class ToCallback:
     """Passes everything on to a callback; its answer False cancels."""
@@ -70,6 +73,10 @@ class ToCallback:
     def watch(self, step: int, steps: int, system: System) -> None:
         """After each step of it."""
         self.update(Update(self._label, step, steps))
+
+    def beside(self, label: str, done: int, total: int, line: str) -> None:
+        """One of several things at work side by side."""
+        self.update(Update(label, done, total))
 
     def update(self, update: Update) -> None:
         """Raises Cancelled, CallbackFailed."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 from enum import IntEnum
+from typing import Any
 
 
 class ExitCode(IntEnum):
@@ -49,6 +50,17 @@ class AeroSloshError(Exception):
         if self.remedy:
             lines.append(f"  remedy: {self.remedy}")
         return "\n".join(lines)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """So that it travels between processes whole, whatever its class is made from."""
+        return _again, (type(self), str(self), self.__dict__)
+
+
+def _again(kind: type[AeroSloshError], text: str, content: dict[str, Any]) -> AeroSloshError:
+    """An error as it was in another process."""
+    error = kind.__new__(kind, text)
+    error.__dict__.update(content)
+    return error
 
 
 class ComponentError(AeroSloshError):

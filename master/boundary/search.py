@@ -150,8 +150,9 @@ def boundary(
     limits: Limits,
     on_point: Callable[[BoundaryPoint], None] = lambda point: None,
     strategy: Strategy | None = None,
+    slope: float | None = None,
 ) -> list[BoundaryPoint]:
-    """Search every Mach number; each starts from its nearest solved neighbour's result, the first from `guess`.
+    """Search every Mach number; each starts from its nearest solved neighbour's result, the first from `guess` and `slope`.
 
     `marcher_at(mach)` gives the marcher and a function that closes it; `strategy` is what to do at a Mach number instead of
     `search` (module `boundary/strategy` has one with a linear model). A Mach number at which something fails, an FMU or this
@@ -160,13 +161,9 @@ def boundary(
     """
     points: list[BoundaryPoint] = []
     for mach in machs:
-        start, slope = _prior(points, mach, guess)
+        start, steepness = prior(points, mach, guess, slope)
         made: list[March] = []
         begin = clock.perf_counter()
-
-        def unfinished(outcome: str, mach: float = mach, made: list[March] = made, begin: float = begin) -> BoundaryPoint:
-            return BoundaryPoint(mach, [], [sample(m) for m in made], outcome, False, made, clock.perf_counter() - begin)
-
         try:
             marcher, close = marcher_at(mach)
 
@@ -176,18 +173,17 @@ def boundary(
 
             try:
                 if strategy is not None:
-                    point = strategy(noted, mach, start, slope)
+                    point = strategy(noted, mach, start, steepness)
                 else:
-                    point = search(noted, mach, start, limits, slope)
+                    point = search(noted, mach, start, limits, steepness)
             finally:
                 close()
         except Exception as error:
             failure = error if isinstance(error, AeroSloshError) else InternalError(error, f"Mach {mach:g}")
-            point = unfinished(f"failed: {failure.what}" + (f" ({counted(len(made), 'march')} made)" if made else ""))
-            point.failure = failure
+            point = failed(mach, failure, made, begin)
         except BaseException:
             if made:
-                on_point(replace(unfinished(f"interrupted after {counted(len(made), 'march')}"), interrupted=True))
+                on_point(interrupted(mach, made, begin))
             raise
         points.append(point)
         on_point(point)
@@ -196,11 +192,28 @@ def boundary(
     return points
 
 
-def _prior(points: list[BoundaryPoint], mach: float, guess: float) -> tuple[float, float | None]:
-    """Guess of V_f from Mach numbers solved, linear in Mach from the two nearest, within 40 %; and of dσ/dV_f, the nearest's."""
+def failed(mach: float, failure: AeroSloshError, made: list[March], begin: float) -> BoundaryPoint:
+    """A Mach number at which something failed; `made`: its marches, `begin`: when it began (`perf_counter`)."""
+    more = f" ({counted(len(made), 'march')} made)" if made else ""
+    return replace(_unfinished(mach, f"failed: {failure.what}{more}", made, begin), failure=failure)
+
+
+def interrupted(mach: float, made: list[March], begin: float) -> BoundaryPoint:
+    """A Mach number whose search was ended; arguments as for `failed`."""
+    return replace(_unfinished(mach, f"interrupted after {counted(len(made), 'march')}", made, begin), interrupted=True)
+
+
+def _unfinished(mach: float, outcome: str, made: list[March], begin: float) -> BoundaryPoint:
+    return BoundaryPoint(mach, [], [sample(m) for m in made], outcome, False, made, clock.perf_counter() - begin)
+
+
+def prior(points: list[BoundaryPoint], mach: float, guess: float, slope: float | None = None) -> tuple[float, float | None]:
+    """Guess of V_f from Mach numbers solved, linear in Mach from the two nearest, within 40 %; and of dσ/dV_f, the nearest's.
+
+    Where none is solved: `guess` and `slope`."""
     solved = sorted((p for p in points if p.crossings), key=lambda p: abs(p.mach - mach))
     if not solved:
-        return guess, None
+        return guess, slope
     nearest = solved[0].crossings[0]
     value = nearest.V_f
     if len(solved) > 1 and solved[0].mach != solved[1].mach:

@@ -24,8 +24,10 @@ def solve(
     before_march: Callable[[FlutterSetup, float], Watcher | None] = lambda setup, V_f: None,
     on_setup: Callable[[FlutterSetup], None] = lambda setup: None,
     section_file: Callable[[], Path | None] = lambda: None,
+    start: tuple[float, float | None] | None = None,
 ) -> list[BoundaryPoint]:
-    """All Mach numbers of `case.boundary`.
+    """All Mach numbers of `case.boundary`; a search without a linear model begins at `start`, V_f and dσ/dV_f, or at the
+    case's V_f.
 
     `on_setup` sees each setup, `before_march` gives the watcher of a march's steps, `on_march` and `on_point` see what
     is done; `section_file` says where a setup writes its section for a picture. Raises AeroSloshError
@@ -54,4 +56,5 @@ def solve(
     b = case.boundary
     strategy = boundary_strategy.Confirm(case, setups.__getitem__, open_setup, say, b.method == "both")
     limits = Limits(b.V_f_range[0], b.V_f_range[1], b.tolerance, b.max_marches)
-    return boundary(marcher_at, b.mach, case.flutter.V_f, limits, found, strategy)
+    guess, slope = start or (case.flutter.V_f, None)
+    return boundary(marcher_at, b.mach, guess, limits, found, strategy, slope)

@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 from ..api import boundary as api
+from ..api import side_by_side
 from ..base.errors import ExitCode, show
 from ..boundary.search import BoundaryPoint
 from ..case import fuel_tank
@@ -29,6 +30,13 @@ def register(commands: Any) -> None:
     sub.add_argument("--vf", type=float, metavar="V", help="where to start, instead of flutter.V_f")
     sub.add_argument("--method", metavar="WORD", help="linear, march or both, instead of boundary.method")
     sub.add_argument("--uncertainty", action="store_true", help="step, amplitude and mesh into the error bars (3 more marches)")
+    sub.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes that search Mach numbers side by side, to the same results (default: one for each usable core; "
+        "--method march takes one: each Mach number begins where the one before it crossed)",
+    )
     sub.set_defaults(execute=execute)
 
 
@@ -40,6 +48,7 @@ def execute(options: argparse.Namespace) -> int:
         "boundary.method": options.method,
         "boundary.uncertainty": "true" if options.uncertainty else None,
     }
+    workers = side_by_side.wanted(options.workers, f"--workers {options.workers}", "command line")
     case = common.load_case(options, "boundary", changes)
     progress = Progress(options.quiet or options.json)
     fmus = find_fmus(options.fmus, case.slosh.model, case.slosh.predictor)
@@ -48,7 +57,7 @@ def execute(options: argparse.Namespace) -> int:
         folder.write_case(case)
         kept = api.Kept(case, folder, common.tell(options, [case], "boundary", folder.log))
         try:
-            points = api.compute(case, fmus, kept, progress)
+            points = api.compute(case, fmus, kept, progress, workers)
         except OSError as error:
             raise kept.unwritable(error) from None
         except KeyboardInterrupt as stop:

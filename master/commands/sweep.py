@@ -15,7 +15,7 @@ from ..case import airfoils
 from ..case import case as cases
 from ..case.case import Case
 from ..sweeps import estimate, plan, sweep
-from ..sweeps.jobs import Job
+from ..sweeps.jobs import Job, Product
 from ..sweeps.parameters import Parameter, from_case, from_words
 from ..sweeps.plan import Plan
 from ..sweeps.progress import SweepProgress
@@ -137,7 +137,7 @@ def _dry_run(options: argparse.Namespace, wanted: Plan, folder: Path, workers: i
     finished = {path.stem for path in folder.glob("points/*.nc")}
     left = [Job(p.id, wanted.kind, p.case, p.overrides, p.files) for p in wanted.points if p.id not in finished]
     tried = estimate.to_probe(left)
-    pool = LocalPool(1, options.recycle, progress.say)
+    pool = LocalPool[Job, Product](1, options.recycle, progress.say)
     try:
         probes = pool.prepare(tried) if tried else []
     finally:

@@ -18,6 +18,7 @@ class Progress:
         self._quarter = 0
         self._width = 0
         self.label = ""
+        self._quarters: dict[str, int] = {}
 
     def say(self, text: str) -> None:
         """One line that stays."""
@@ -47,6 +48,17 @@ class Progress:
         elif 4 * step // steps > self._quarter:
             self._quarter = 4 * step // steps
             print(self._text(step, steps, system, now), file=sys.stderr, flush=True)
+
+    def beside(self, label: str, done: int, total: int, line: str) -> None:
+        """One of several things at work side by side has come to `done` of `total`; `line` tells of all of them."""
+        if self.quiet:
+            return
+        if self._live:
+            self._width = max(self._width, len(line))
+            print("\r" + line.ljust(self._width), end="", file=sys.stderr, flush=True)
+        elif total and 4 * done // total > self._quarters.get(label, 0):
+            self._quarters[label] = 4 * done // total
+            print(f"  {label}  {done} of {total}", file=sys.stderr, flush=True)
 
     def _text(self, step: int, steps: int, system: System, now: float) -> str:
         spent = now - self._begin

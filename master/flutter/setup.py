@@ -47,6 +47,11 @@ def find_fmus(folder: Path, *models: str) -> dict[str, Path]:
     return found
 
 
+def not_known(V_f: float) -> float:
+    """The free cycles that a march needs beyond the case's while no linear model tells more: none."""
+    return 0.0
+
+
 class FlutterSetup:
     """Structure, aero and slosh FMU at one Mach number. Use as a context manager.
 
@@ -72,7 +77,7 @@ class FlutterSetup:
         self._fmus = fmus
         self._slopes: SteadySlopes | str | None = "not asked for"
         # free cycles that a march at V_f needs, where a linear model knows them
-        self.needed_cycles: Callable[[float], float] = lambda V_f: 0.0
+        self.needed_cycles: Callable[[float], float] = not_known
         with ExitStack() as opened:  # what is made is freed again unless all of it can be
             self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))
             self.aero = opened.enter_context(closing(Component(fmus["aero"], "aero")))

@@ -99,9 +99,13 @@ class RunFolder:
     def log_messages(self, components: Iterable[Component]) -> None:
         """The FMUs' log messages into run.log, each once."""
         for component in components:
-            for status, text in component.messages:
-                self.log(f"{component.name} (status {status}): {text}")
+            self.log_lines([(component.name, *said) for said in component.messages])
             component.messages.clear()
+
+    def log_lines(self, lines: Iterable[tuple[str, int, str]]) -> None:
+        """Log messages of FMUs: component, FMI status, text."""
+        for name, status, text in lines:
+            self.log(f"{name} (status {status}): {text}")
 
     def write_case(self, case: Case) -> None:
         """case.toml of a case. Raises AeroSloshError (INPUT)."""

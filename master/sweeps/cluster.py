@@ -15,7 +15,7 @@ import time as clock
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ..base import files as base_files
 from ..base.errors import AeroSloshError, ExitCode
@@ -106,7 +106,7 @@ class Crew:
         else:
             with self._lock:
                 self._idle.append(worker)
-        return None if answer.compiled and not final else answer.product
+        return None if answer.compiled and not final else cast(Product | None, answer.product)
 
 
 _crew = Crew()
@@ -194,10 +194,10 @@ class DaskPool:
         self._fresh.append(job)
         future.add_done_callback(self._done.put)
 
-    def wait(self, seconds: float) -> Events:
+    def wait(self, seconds: float) -> Events[Job, Product]:
         """What came back. Raises AeroSloshError when the scheduler is gone or a worker does not fit."""
         started, self._fresh = self._fresh, []
-        events = Events(started=[(job, "cluster") for job in started])
+        events: Events[Job, Product] = Events(started=[(job, "cluster") for job in started])
         deadline = clock.monotonic() + (0.0 if started else seconds)
         while True:
             try:
@@ -216,7 +216,7 @@ class DaskPool:
             future.cancel()
         self._client.close(timeout=5)
 
-    def _hear(self, future: Future, events: Events) -> None:
+    def _hear(self, future: Future, events: Events[Job, Product]) -> None:
         job = self._open.pop(future)
         try:
             what, content = future.result(timeout=60)

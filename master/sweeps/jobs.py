@@ -45,6 +45,11 @@ class Job:
     command: str = ""
 
     @property
+    def label(self) -> str:
+        """For the user."""
+        return f"point {self.id}"
+
+    @property
     def setup_key(self) -> str:
         """Jobs of one key march the same setup."""
         return setup_key(self.case, mach_of(self.kind, self.case))

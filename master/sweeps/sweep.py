@@ -58,7 +58,7 @@ class Pool(Protocol):
     def add(self, job: Job) -> None:
         """Put a job into the queue."""
 
-    def wait(self, seconds: float) -> Events:
+    def wait(self, seconds: float) -> Events[Job, Product]:
         """Wait until something happens, at most so long."""
 
     def close(self) -> None:

@@ -5,6 +5,7 @@ It ends by itself, also in the middle of a point, when the process at the other 
 
 from __future__ import annotations
 
+import dataclasses
 import gc
 import os
 import pickle
@@ -16,21 +17,24 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
-from . import jobs
+from . import jobs, one_mach
 from .jobs import Bench, FilesChanged, Job, Probe, Product
+from .one_mach import MachJob, Solved
 
 IDLE = 900.0  # seconds without work after which a worker ends: it may have been forgotten on a cluster
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a worker says of a task: one of `product`, `probe`, `refusal` (what, where, remedy of a FilesChanged) is there.
+    """What a worker says of a task: one of `product`, `probe`, `refusal` (what, where, remedy of a FilesChanged) is there; before
+    that, of a Mach number, any number of answers with `told` (see module `one_mach`).
     The first answer has none of them: the worker is ready.
 
     compiled   kernels compiled meanwhile: such a process may round otherwise than those that read them from the cache
     memory     resident memory of the worker afterwards, bytes"""
 
-    product: Product | None = None
+    product: Product | Solved | None = None
+    told: tuple[Any, ...] | None = None
     probe: Probe | None = None
     refusal: tuple[str, str, str] | None = None
     compiled: int = 0
@@ -53,9 +57,9 @@ def main() -> None:
         except queue.Empty:
             os._exit(0)
         before = len(compiled)
-        answer = _answer(what, job, bench, name)
+        answer = _answer(what, job, bench, name, lambda told: pipe.send(Answer(told=told)))
         gc.collect()  # every FMU instance leaves cycles; among numba's many objects the collector alone comes too seldom
-        pipe.send(Answer(*answer, compiled=len(compiled) - before, memory=resident_memory()))
+        pipe.send(dataclasses.replace(answer, compiled=len(compiled) - before, memory=resident_memory()))
 
 
 def resident_memory() -> int:
@@ -67,13 +71,15 @@ def resident_memory() -> int:
         return 0
 
 
-def _answer(what: str, job: Job, bench: Bench, name: str) -> tuple[Product | None, Probe | None, tuple[str, str, str] | None]:
+def _answer(what: str, job: Job | MachJob, bench: Bench, name: str, tell: one_mach.Tell) -> Answer:
     try:
+        if isinstance(job, MachJob):
+            return Answer(product=one_mach.compute(job, tell))
         if what == "probe":
-            return None, jobs.probe(job, bench), None
-        return jobs.compute(job, bench, name), None, None
+            return Answer(probe=jobs.probe(job, bench))
+        return Answer(product=jobs.compute(job, bench, name))
     except FilesChanged as error:
-        return None, None, (error.what, error.where, error.remedy)
+        return Answer(refusal=(error.what, error.where, error.remedy))
 
 
 def _listen(pipe: Connection, tasks: queue.SimpleQueue[Any]) -> None:

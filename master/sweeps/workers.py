@@ -16,14 +16,35 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from multiprocessing import Pipe
 from multiprocessing.connection import wait
+from typing import Any, Generic, Protocol, TypeVar, cast
 
 from ..base.errors import AeroSloshError
 from ..base.paths import PLACE
-from .jobs import SETUPS, Job, Probe, Product
+from .jobs import SETUPS, Job, Probe
 from .worker import Answer
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 GROWN = 512 << 20  # bytes by which a worker's resident memory may grow
+
+
+class Task(Protocol):
+    """What a worker computes: a point of a sweep, a Mach number of a boundary."""
+
+    @property
+    def id(self) -> str:
+        """Its name."""
+
+    @property
+    def label(self) -> str:
+        """For the user."""
+
+    @property
+    def setup_key(self) -> str:
+        """Tasks of one key march the same setup."""
+
+
+T = TypeVar("T", bound=Task)
+P = TypeVar("P")  # what comes of it
 
 
 class WorkerDied(Exception):
@@ -35,7 +56,7 @@ class Worker:
 
     def __init__(self, name: str) -> None:
         self.name, self.answered, self.memory = name, 0, (0, 0)
-        self.job: Job | None = None
+        self.job: Any = None
         self._ready = False
         self.keys: deque[str] = deque(maxlen=SETUPS)
         self.pipe, theirs = Pipe()
@@ -55,7 +76,7 @@ class Worker:
         """Of the process."""
         return self._process.pid
 
-    def give(self, what: str, job: Job) -> None:
+    def give(self, what: str, job: Task) -> None:
         """Send a task: "compute" or "probe". Raises WorkerDied."""
         self.job = job
         if job.setup_key not in self.keys:
@@ -76,6 +97,8 @@ class Worker:
         if not self._ready:
             self._ready = True
             return None
+        if answer.told is not None:
+            return answer
         if answer.refusal is not None:
             raise AeroSloshError(*answer.refusal)
         if answer.product is not None:
@@ -84,7 +107,7 @@ class Worker:
         self.job = None
         return answer
 
-    def ask(self, what: str, job: Job) -> Answer:
+    def ask(self, what: str, job: Task) -> Answer:
         """Give a task and wait for its answer. Raises like `take`."""
         self.give(what, job)
         while (answer := self.take()) is None:
@@ -116,21 +139,23 @@ class Worker:
 
 
 @dataclass
-class Events:
-    """What happened: points given to a worker (job, worker's name), products, points lost with a cause, notes for the user."""
+class Events(Generic[T, P]):
+    """What happened: points given to a worker (job, worker's name), what workers told on the way, products, points lost with a
+    cause, notes for the user."""
 
-    started: list[tuple[Job, str]] = field(default_factory=list)
-    products: list[Product] = field(default_factory=list)
-    lost: list[tuple[Job, str]] = field(default_factory=list)
+    started: list[tuple[T, str]] = field(default_factory=list)
+    told: list[tuple[T, tuple[Any, ...]]] = field(default_factory=list)
+    products: list[P] = field(default_factory=list)
+    lost: list[tuple[T, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
 
-class LocalPool:
+class LocalPool(Generic[T, P]):
     """`count` workers on this machine, each replaced after `recycle` points."""
 
     def __init__(self, count: int, recycle: int, say: Callable[[str], None]) -> None:
         self.count, self._recycle, self._say = count, recycle, say
-        self._jobs: OrderedDict[str, deque[Job]] = OrderedDict()  # by setup: a worker goes on with the setup it has
+        self._jobs: OrderedDict[str, deque[T]] = OrderedDict()  # by setup: a worker goes on with the setup it has
         self._workers: list[Worker] = []
         self._started = 0
         self._afresh: set[str] = set()  # points computed a second time since a kernel was compiled in the first
@@ -151,7 +176,7 @@ class LocalPool:
         """The pool takes every job at once."""
         return 1 << 30
 
-    def add(self, job: Job) -> None:
+    def add(self, job: T) -> None:
         """Put a job into the queue."""
         self._jobs.setdefault(job.setup_key, deque()).append(job)
 
@@ -175,9 +200,9 @@ class LocalPool:
         self._workers.append(worker)
         return probes
 
-    def wait(self, seconds: float) -> Events:
+    def wait(self, seconds: float) -> Events[T, P]:
         """Give out points, then wait until something happens, at most so long. Raises AeroSloshError when a file has changed."""
-        events = Events()
+        events = Events[T, P]()
         waiting = sum(map(len, self._jobs.values()))
         busy = sum(w.job is not None for w in self._workers)
         while len(self._workers) < min(self.count, busy + waiting):
@@ -205,7 +230,7 @@ class LocalPool:
         self._started += 1
         return Worker(f"local-{self._started}")
 
-    def _next(self, worker: Worker) -> Job:
+    def _next(self, worker: Worker) -> T:
         """A point whose setup the worker has open, else one of a setup nobody has, else the oldest."""
         held = {key for w in self._workers for key in w.keys}
         key = next((k for k in worker.keys if k in self._jobs), None)
@@ -216,14 +241,16 @@ class LocalPool:
             del self._jobs[key]
         return job
 
-    def _hear(self, worker: Worker, events: Events) -> None:
+    def _hear(self, worker: Worker, events: Events[T, P]) -> None:
         """Take what a worker says, or its death."""
-        job = worker.job
+        job: T | None = worker.job
         try:
             answer = worker.take()
         except WorkerDied as death:
             self._lose(worker, job, str(death), events)
             return
+        if answer is not None and answer.told is not None and job is not None:
+            events.told.append((job, answer.told))
         if answer is None or answer.product is None or job is None:
             return
         if answer.compiled and not self._always:
@@ -234,16 +261,16 @@ class LocalPool:
                 return
             self._always = True
             events.notes.append("the FMUs compile kernels in every process: results may differ in the last bits between workers")
-        events.products.append(answer.product)
+        events.products.append(cast(P, answer.product))
         if worker.answered >= self._recycle or worker.memory[1] > worker.memory[0] + GROWN:
             self._retire(worker)
 
-    def _lose(self, worker: Worker, job: Job | None, cause: str, events: Events) -> None:
+    def _lose(self, worker: Worker, job: T | None, cause: str, events: Events[T, P]) -> None:
         """A worker is dead, and with it what it computed."""
         self._retire(worker)
         if job is not None:
             events.lost.append((job, cause))
-            events.notes.append(f"{worker.name}: {cause.splitlines()[0]} while it computed point {job.id}")
+            events.notes.append(f"{worker.name}: {cause.splitlines()[0]} while it computed {job.label}")
 
     def _retire(self, worker: Worker) -> None:
         self._workers.remove(worker)
