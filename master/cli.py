@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from .base import disk, interrupts, streams
+from .base import disk, interrupts, notices, streams
 from .base.errors import AeroSloshError, ExitCode, show
 from .commands import HELP
 
@@ -38,7 +38,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     options = parser(next((word for word in words if word in HELP), "")).parse_args(words)
     _check_names(options)
-    return options.execute(options)
+    quiet = getattr(options, "quiet", False) or getattr(options, "json", False)
+    with notices.to(lambda text: None if quiet else print(text, file=sys.stderr, flush=True)):
+        return options.execute(options)
 
 
 def parser(command: str = "") -> argparse.ArgumentParser:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import disk, interrupts
+from ..base import disk, interrupts, notices
 from ..base.errors import AeroSloshError, InternalError
 from ..base.wording import plus_minus
 from ..boundary import modes, solve
@@ -24,6 +24,7 @@ from ..case import fuel_tank
 from ..cosim.loop import Watcher
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup, find_fmus
+from ..fmi import kernels
 from ..results import by_value, summary, trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
@@ -137,7 +138,7 @@ def boundary(
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
     check_fmus(core, found)
     report, said = reporter(progress), warned([core], "boundary")
-    with interruptible():
+    with interruptible(), notices.to(report.say):
         if folder is None:
             kept = Kept(core, None, said)
             _until_cancelled(core, found, kept, report, count)
@@ -293,6 +294,7 @@ class _Told:
 def _side_by_side(case: cases.Case, fmus: dict[str, Path], told: _Told, workers: int) -> list[BoundaryPoint]:
     """The points, by worker processes. The aero FMUs' tables of the section go through a folder of their own: the run's folder
     changes its name meanwhile."""
+    kernels.prepare_all(fmus.values())
     with tempfile.TemporaryDirectory(prefix="aeroslosh_boundary_") as temporary:
 
         def section(place: int) -> Path | None:

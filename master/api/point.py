@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..analysis.verdict import Verdict
-from ..base import pvd
+from ..base import notices, pvd
 from ..case import airfoils, checks, fmu_parameters, fuel_tank, plausible
 from ..case import case as cases
 from ..cosim.checkpoint import Checkpoint, Keeper
@@ -128,7 +128,7 @@ def point(
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
     check_fmus(core, found)
     report, said = reporter(progress), warned([core], "point")
-    with interruptible():
+    with interruptible(), notices.to(report.say):
         if folder is None:
             computed = compute(core, found, report)
             computed.data |= said

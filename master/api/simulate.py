@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base import notices
 from ..base.errors import AeroSloshError
 from ..case import builtin
 from ..cosim import system_file, system_run
@@ -125,7 +126,7 @@ class System:
         (a folder keeps what came before), Cancelled."""
         assembly, report = self._assembly, reporter(progress)
         files = system_file.find(assembly, fmu_folder(fmus))
-        with interruptible():
+        with interruptible(), notices.to(report.say):
             if folder is None:
                 result = compute(assembly, files, report).result
             else:

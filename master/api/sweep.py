@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base import toml_text
+from ..base import notices, toml_text
 from ..base.errors import AeroSloshError
 from ..case import case as cases
+from ..fmi import kernels
 from ..results.provenance import provenance, source_hash
 from ..sweeps import estimate, plan, results
 from ..sweeps import sweep as sweeps
@@ -140,6 +141,9 @@ def run(
     left = store.left(wanted)
     if not left:
         return
+    if settings.scheduler is None:
+        with notices.to(tell):
+            kernels.prepare_all(dict.fromkeys(p for job in left for p in job.fmus.values()))
     pool = _pool(settings, wanted, tell)
     try:
         tell(f"{len(left)} of {len(wanted.points)} points to compute on {pool.name}")

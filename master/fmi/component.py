@@ -23,8 +23,8 @@ from fmpy.fmi1 import FMICallException
 
 from ..base import interrupts, settings
 from ..base.errors import AeroSloshError, ComponentError
+from . import kernels, unpack
 from . import log as fmi_log
-from . import unpack
 from .values import fitted
 
 STATUS = {0: "OK", 1: "warning", 2: "discarded", 3: "error", 4: "fatal", 5: "pending"}
@@ -151,7 +151,8 @@ class Component:
         self.exit_initialization()
 
     def enter_initialization(self, start_time: float = 0.0) -> None:
-        """Set up the experiment and enter initialisation mode."""
+        """Set up the experiment and enter initialisation mode; kernels are compiled before, where they never were."""
+        kernels.prepare(self.folder, self.sha256, self.given)
         self.time = start_time
         with self.calling("fmi2EnterInitializationMode", heavy=True) as fmu:
             fmu.setupExperiment(startTime=start_time)
