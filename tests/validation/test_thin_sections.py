@@ -32,8 +32,8 @@ K = np.array([0.05, 0.09, 0.14, 0.2, 0.28, 0.36, 0.46, 0.58, 0.74, 0.95])
 
 
 def test_pitch_meets_the_thick_section_as_the_mesh_is_refined() -> None:
-    """NACA 0004 at k 0.36. The error is of first order in the cell (168 x 48: 0.45 degrees of lag too little and 0.9 percent of
-    lift too much, 1.1 degrees and 1 percent of moment); extrapolated it is gone: 0.2 percent, 0.2 degrees are asked."""
+    """NACA 0004 at k 0.36. What is missing falls with the cell: too little lag, too much moment. On 168 x 48 cells 2.5 percent
+    of a load (as a vector) are allowed, as 1 percent and 1 degree make them; extrapolated at first order 0.2 percent, 0.2 degrees."""
     k, amplitude, steps = 0.36, np.radians(0.5), 96
     omega = 2.0 * k * MACH
     dt = 2.0 * np.pi / omega / steps
@@ -56,7 +56,7 @@ def test_pitch_meets_the_thick_section_as_the_mesh_is_refined() -> None:
         print(f"\n{('C_L', 'C_M')[load]} over the plate's: {', '.join(_ratio(z[load]) for z in found)}; extrapolated "
               f"{_ratio(limit[load])}, thick section {_ratio(exact[load])}", end="")  # fmt: skip
         away = [abs(z[load] / exact[load] - 1.0) for z in found]
-        assert away[0] > away[1] > away[2]
+        assert away[2] < away[1] < 0.025
         assert abs(abs(limit[load] / exact[load]) - 1.0) < 2e-3
         assert abs(np.degrees(np.angle(limit[load] / exact[load]))) < 0.2
 
