@@ -33,7 +33,7 @@ K = np.array([0.05, 0.09, 0.14, 0.2, 0.28, 0.36, 0.46, 0.58, 0.74, 0.95])
 
 def test_pitch_meets_the_thick_section_as_the_mesh_is_refined() -> None:
     """NACA 0004 at k 0.36. What is missing falls with the cell: too little lag, too much moment. On 168 x 48 cells 2.5 percent
-    of a load (as a vector) are allowed, as 1 percent and 1 degree make them; extrapolated at first order 0.2 percent, 0.2 degrees."""
+    of a load (as a vector) are allowed, as 1 percent and 1 degree make; extrapolated at first order 0.2 percent and degrees."""
     k, amplitude, steps = 0.36, np.radians(0.5), 96
     omega = 2.0 * k * MACH
     dt = 2.0 * np.pi / omega / steps
