@@ -14,7 +14,7 @@ from ..case.case import Case
 from ..case.scales import Scales, scales
 from ..cosim.assemble import assemble
 from ..cosim.system import wires
-from ..fmi import installed
+from ..fmi import installed, kernels
 from ..fmi.component import Component, Saved
 from .statics import STEP, SteadySlopes, tilted
 
@@ -78,6 +78,7 @@ class FlutterSetup:
         self._slopes: SteadySlopes | str | None = "not asked for"
         # free cycles that a march at V_f needs, where a linear model knows them
         self.needed_cycles: Callable[[float], float] = not_known
+        kernels.prepare_all(fmus.values())
         with ExitStack() as opened:  # what is made is freed again unless all of it can be
             self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))
             self.aero = opened.enter_context(closing(Component(fmus["aero"], "aero")))

@@ -14,7 +14,7 @@ import platform
 import signal
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -30,29 +30,36 @@ def prepare(folder: Path, digest: str, given: Mapping[str, Any]) -> None:
     """See that the kernels of the FMU unzipped to `folder` are compiled, started with the parameters `given`; `digest`: its hash.
 
     Says how long it takes (`notices`) where there is something to compile."""
-    if not any((folder / "resources").glob("*/kit/cache.py")) or os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+    _prepare([(folder, digest, given)])
+
+
+def prepare_all(fmus: Iterable[Path]) -> None:
+    """The same for several at once, with their start values. Raises AeroSloshError for a file that is no FMU."""
+    _prepare([(*unpack.unzip(path), {}) for path in dict.fromkeys(fmus)])
+
+
+def _prepare(fmus: Sequence[tuple[Path, str, Mapping[str, Any]]]) -> None:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
         return
-    mark = _mark(digest)
-    if mark.exists():
+    tried = [one for one in fmus if any((one[0] / "resources").glob("*/kit/cache.py")) and not _mark(one[1]).exists()]
+    if not tried:
         return
+    marks = [_mark(digest) for _, digest, _ in tried]
     try:
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        _compile(folder, given)
-        mark.touch()
+        marks[0].parent.mkdir(parents=True, exist_ok=True)
+        _compile([(folder, given) for folder, _, given in tried])
+        for mark in marks:
+            mark.touch()
     except OSError:
         return  # a cache that cannot be written keeps no kernels either
 
 
-def prepare_all(fmus: Iterable[Path]) -> None:
-    """The same for FMUs that other processes are to run, with their start values. Raises AeroSloshError."""
-    for path in fmus:
-        prepare(*unpack.unzip(path), {})
-
-
-def _compile(folder: Path, given: Mapping[str, Any]) -> None:
+def _compile(fmus: Sequence[tuple[Path, Mapping[str, Any]]]) -> None:
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    numbers = {name: value for name, value in given.items() if not isinstance(value, str)}  # texts name files to be written
-    words = [sys.executable, "-m", "aeroslosh.master.fmi.rehearsal", str(folder), json.dumps(numbers, default=float)]
+    asked = []
+    for folder, given in fmus:  # without texts, which may name files to be written
+        asked.append([str(folder), {name: value for name, value in given.items() if not isinstance(value, str)}])
+    words = [sys.executable, "-m", "aeroslosh.master.fmi.rehearsal", json.dumps(asked, default=float)]
     path = os.pathsep.join([str(PLACE), *filter(None, [os.environ.get("PYTHONPATH")])])
     process = subprocess.Popen(
         [*words, str(min(cores, PROCESSES))],

@@ -1,10 +1,11 @@
 """Compile what an FMU of this project needs, in several processes, before it is needed:
-`python -m aeroslosh.master.fmi.rehearsal FOLDER PARAMETERS CORES`.
+`python -m aeroslosh.master.fmi.rehearsal JSON CORES`, JSON being a list of [folder of an unzipped FMU, parameters].
 
 A rehearsal runs the FMU's face through its start and one step with kernels that compute nothing: which are called with what types
-is known then, within a second. A kernel that calls others is run as Python until those are known. What is not in the
-cache is compiled by as many processes as there are cores, callees before callers, and lies in the cache for whoever runs the FMU.
-What a rehearsal does not meet is compiled when it is called, as ever.
+is known then, within a second. What is not in the cache is compiled by as many processes as there are cores, and lies in the
+cache for whoever runs the FMU. Kernels with a callee in common are compiled by one process in the order of their first calls, as
+in an FMU that compiles for itself: a caller is optimised together with its callees, and would round otherwise with one that was
+read from the cache. What a rehearsal does not meet is compiled when it is called, as ever.
 
 Prints a line "KERNELS SECONDS": how many are missing and how long that will take, about; then compiles."""
 
@@ -14,42 +15,29 @@ import contextlib
 import gc
 import importlib
 import json
-import math
 import os
 import select
 import signal
 import sys
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-CALLS = 40  # calls by which a kernel run as Python is known well enough
-DEEPEST = 12
-PER_OPERATION = 1e-3  # seconds of compilation an operation of Python's, all inlined, takes on a desktop; and at least:
-LEAST = 0.1
-
-
-class _Known(Exception):
-    """A kernel run as Python has called others often enough."""
+PER_OPERATION = 1.2e-3  # seconds of compilation an operation of Python's, all inlined, takes on a desktop; and at least:
+LEAST = 0.2
 
 
 @dataclass(eq=False)
 class Kernel:
-    """A kernel for one set of argument types; `calls` are those that it was seen to call."""
+    """A kernel that the face calls, with a set of argument types."""
 
     dispatcher: Any
     types: tuple[Any, ...]
-    calls: set[Kernel] = field(default_factory=set)
-
-    @property
-    def seconds(self) -> float:
-        """What its compilation takes, about."""
-        return max(LEAST, PER_OPERATION * _operations(self.dispatcher.py_func))
 
     def cached(self) -> bool:
         """Whether the cache has it."""
@@ -63,35 +51,22 @@ class Rehearsal:
 
     def __init__(self) -> None:
         self.kernels: dict[tuple[int, tuple[Any, ...]], Kernel] = {}
-        self._inside: list[Kernel] = []
-        self._left: list[float] = []  # calls that each kernel run as Python has left
-        self._whole = 0  # kernels at work that are run as Python to their end: nothing stands for what they return
+        self._inside = False  # one is run as Python: what it calls is none that the face calls
 
     def called(self, dispatcher: Any, arguments: tuple[Any, ...]) -> Any:
-        """Note a call. Returns what the kernel may have returned. Raises _Known."""
-        types = tuple(dispatcher.typeof_pyval(value) for value in arguments)
-        kernel = self.kernels.setdefault((id(dispatcher), types), Kernel(dispatcher, types))
-        if self._inside:
-            self._inside[-1].calls.add(kernel)
-            self._left[-1] -= 1
-            if self._left[-1] < 0:
-                raise _Known
-        function = dispatcher.py_func
+        """Note a call. Returns what the kernel may have returned; where nothing can stand for that it is run as Python."""
+        function, inside = dispatcher.py_func, self._inside
+        if not inside:
+            types = tuple(dispatcher.typeof_pyval(value) for value in arguments)
+            self.kernels.setdefault((id(dispatcher), types), Kernel(dispatcher, types))
         returned = _nothing(str(function.__annotations__.get("return", "None")))
-        whole = bool(self._whole) or returned is NotImplemented
-        if whole or (_calls_kernels(function) and kernel not in self._inside and len(self._inside) < DEEPEST):
-            self._whole += whole
-            self._inside.append(kernel)
-            self._left.append(math.inf if whole else CALLS)
-            try:
-                return function(*arguments)
-            except Exception:  # its callees returned nothing that makes sense
-                pass
-            finally:
-                self._whole -= whole
-                self._inside.pop()
-                self._left.pop()
-        return returned
+        if not inside and returned is not NotImplemented:
+            return returned
+        self._inside = True
+        try:
+            return function(*arguments)
+        finally:
+            self._inside = inside
 
 
 class _Stub:
@@ -132,36 +107,43 @@ def rehearse(folder: Path, parameters: dict[str, Any]) -> list[Kernel]:
     return list(found.kernels.values())
 
 
-def compile_all(kernels: list[Kernel], cores: int) -> None:
-    """Compile them into the cache by `cores` processes, callees before callers, what takes long first."""
-    todo, done, at_work = list(kernels), set[Kernel](), dict[int, Kernel]()
+def units(kernels: list[Kernel]) -> list[list[Kernel]]:
+    """The kernels in groups that have no callee in common, in order within each; what takes longest first."""
+    found: list[tuple[dict[int, Any], list[Kernel]]] = []
+    for kernel in kernels:
+        reach = {key: one for key, one in _reach(kernel.dispatcher, {}).items() if not _inlined(one)}
+        group = [kernel]
+        for other in [f for f in found if f[0].keys() & reach.keys()]:
+            found.remove(other)
+            reach, group = reach | other[0], other[1] + group
+        found.append((reach, group))
+    for _, group in found:
+        group.sort(key=kernels.index)
+    return [group for _, group in sorted(found, key=lambda f: -_seconds(f[1]))]
+
+
+def compile_all(groups: list[list[Kernel]], cores: int) -> None:
+    """Compile them into the cache by `cores` processes."""
     gc.freeze()
-    workers = [_Worker(kernels) for _ in range(min(cores, len(kernels)))]
-    idle = list(workers)
-    while todo or at_work:
-        ready = [k for k in todo if not ((k.calls & set(kernels)) - done)] or ([] if at_work else todo[:1])
-        ready.sort(key=lambda k: -_path(k, kernels))
-        for kernel in ready[: len(idle)]:
-            worker = idle.pop()
-            todo.remove(kernel)
-            worker.give(kernels.index(kernel))
-            at_work[worker.answers] = kernel
-        heard, _, _ = select.select(list(at_work), [], [])
-        for worker in workers:
-            if worker.answers in heard:
-                done.add(at_work.pop(worker.answers))
-                if os.read(worker.answers, 1):
-                    idle.append(worker)
-                elif not idle and not at_work:  # all have died
-                    return
+    todo, at_work = list(range(len(groups))), dict[int, _Worker]()
+    workers = [_Worker(groups) for _ in range(min(cores, len(groups)))]
+    for worker in workers:
+        worker.give(todo.pop(0))
+        at_work[worker.answers] = worker
+    while at_work:
+        for heard in select.select(list(at_work), [], [])[0]:
+            if os.read(heard, 1) and todo:
+                at_work[heard].give(todo.pop(0))
+            else:
+                del at_work[heard]
     for worker in workers:
         worker.end()
 
 
 class _Worker:
-    """A process, forked from this one, that compiles what it is given by its number in `kernels`."""
+    """A process, forked from this one, that compiles what it is given by its number in `groups`."""
 
-    def __init__(self, kernels: list[Kernel]) -> None:
+    def __init__(self, groups: list[list[Kernel]]) -> None:
         theirs, self._orders = os.pipe()
         self.answers, back = os.pipe()
         self.pid = os.fork()
@@ -174,9 +156,9 @@ class _Worker:
             os.close(self.answers)
             gc.disable()  # numba's objects are many and none of them is garbage
             while order := os.read(theirs, 2):
-                kernel = kernels[int.from_bytes(order, "little")]
-                with contextlib.suppress(Exception):  # whoever needs it will hear
-                    kernel.dispatcher.compile(kernel.types)
+                for kernel in groups[int.from_bytes(order, "little")]:
+                    with contextlib.suppress(Exception):  # whoever needs it will hear
+                        kernel.dispatcher.compile(kernel.types)
                 os.write(back, b".")
         finally:
             os._exit(0)
@@ -187,14 +169,27 @@ class _Worker:
         os.waitpid(self.pid, 0)
 
     def give(self, number: int) -> None:
-        """Have it compile a kernel."""
+        """Have it compile a group."""
         os.write(self._orders, number.to_bytes(2, "little"))
 
 
-def _path(kernel: Kernel, kernels: list[Kernel]) -> float:
-    """Seconds from its start until everything that waits for it can be done."""
-    callers = [k for k in kernels if kernel in k.calls and k is not kernel]
-    return kernel.seconds + max((_path(k, kernels) for k in callers), default=0.0)
+def _seconds(group: list[Kernel]) -> float:
+    """What its compilation takes, about."""
+    reach: dict[int, Any] = {}
+    for kernel in group:
+        _reach(kernel.dispatcher, reach)
+    return sum(max(LEAST, PER_OPERATION * _operations(one.py_func)) for one in reach.values() if not _inlined(one))
+
+
+def _reach(dispatcher: Any, found: dict[int, Any]) -> dict[int, Any]:
+    """A kernel, its callees, theirs and so on, by identity."""
+    if id(dispatcher) not in found:
+        found[id(dispatcher)] = dispatcher
+        values = dispatcher.py_func.__globals__
+        for name in set(_called_names(dispatcher.py_func)):
+            if isinstance(values.get(name), Dispatcher):
+                _reach(values[name], found)
+    return found
 
 
 def _operations(function: Callable[..., Any]) -> int:
@@ -214,11 +209,6 @@ def _called_names(function: Callable[..., Any]) -> list[str]:
     return [i.argval for i in dis.get_instructions(function) if i.opname == "LOAD_GLOBAL"]
 
 
-def _calls_kernels(function: Callable[..., Any]) -> bool:
-    values = function.__globals__
-    return any(isinstance(values.get(name), _Stub) for name in _called_names(function))
-
-
 def _inlined(dispatcher: Any) -> bool:
     return dispatcher.targetoptions.get("inline") == "always"
 
@@ -234,14 +224,13 @@ def _nothing(annotation: str) -> Any:
 def main() -> None:
     """Rehearse, say what is missing, compile it."""
     warnings.simplefilter("ignore")
-    folder, parameters, cores = Path(sys.argv[1]), json.loads(sys.argv[2]), int(sys.argv[3])
-    kernels = rehearse(folder, parameters)
-    missing = [kernel for kernel in kernels if not kernel.cached()]
-    whole = sum(kernel.seconds for kernel in missing)
-    longest = max((_path(kernel, missing) for kernel in missing), default=0.0)
-    print(len(missing), round(max(whole / cores, longest)), flush=True)
-    if missing:
-        compile_all(missing, cores)
+    asked, cores = json.loads(sys.argv[1]), int(sys.argv[2])
+    kernels = [kernel for folder, parameters in asked for kernel in rehearse(Path(folder), parameters)]
+    groups = units([kernel for kernel in kernels if not kernel.cached()])
+    times = [_seconds(group) for group in groups]
+    print(sum(map(len, groups)), round(max([sum(times) / cores, *times])), flush=True)
+    if groups:
+        compile_all(groups, cores)
     os._exit(0)
 
 
