@@ -52,19 +52,16 @@ class CircleMap:
         zero_lift = self.trailing_edge + self.coefficients[0].imag
         return float(8 * np.pi * self.radius * np.sin(alpha - zero_lift))
 
-    def points(self, rho: Array, count: int, shift: float = 0.0) -> Complex:
-        """z on circles |w| = rho, shape (len(rho), count), anticlockwise from the trailing edge's angle plus shift [rad]."""
-        start = self.trailing_edge + shift
-        theta = start + 2 * np.pi * np.arange(count) / count
+    def at(self, rho: Array, angle: Array) -> Complex:
+        """z on circles |w| = rho at angles [rad] from the trailing edge's, anticlockwise, shape (len(rho), len(angle))."""
+        theta = self.trailing_edge + angle
         order = np.arange(len(self.coefficients))
-        # terms k and k + count agree at these angles: fold, then one inverse transform a circle
-        folded = np.zeros((len(rho), count), dtype=complex)
-        terms = self.coefficients * np.exp(-1j * order * start) * rho[:, None] ** (-order)
-        for first in range(0, len(order), count):
-            part = terms[:, first : first + count]
-            folded[:, : part.shape[1]] += part
-        w = rho[:, None] * np.exp(1j * theta)
-        return self._section_plane(self.centre + w * np.exp(np.fft.fft(folded, axis=1)))
+        series = (self.coefficients * rho[:, None] ** (-order)) @ np.exp(-1j * np.outer(order, theta))
+        return self._section_plane(self.centre + rho[:, None] * np.exp(1j * theta + series))
+
+    def points(self, rho: Array, count: int) -> Complex:
+        """z on circles |w| = rho, shape (len(rho), count), anticlockwise and evenly from the trailing edge's angle."""
+        return self.at(rho, 2 * np.pi * np.arange(count) / count)
 
     def _section_plane(self, zeta: Complex) -> Complex:
         (z1, z2), (p1, p2) = self.fixed, self.poles

@@ -43,7 +43,7 @@ class Settings:
     """
 
     tolerance: float = 1e-2
-    max_subiterations: int = 25
+    max_subiterations: int = 60
     cfl: float = 25.0
     steady_tolerance: float = 3e-7
     steady_iterations: int = 3000

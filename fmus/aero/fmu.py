@@ -44,7 +44,7 @@ class Aero(Slave):
         parameter("cells_normal", 48, "", "Cells from the wall to the outer boundary", min=16, max=1024),
         parameter("farfield_chords", 200.0, "1", "Distance of the outer boundary in chords", min=5.0, max=1000.0),
         parameter("tolerance", 1e-2, "1", "Last subiteration's density change over that of the step", min=1e-8, max=0.5),
-        parameter("max_subiterations", 25, "", "Most subiterations a step", min=3, max=1000),
+        parameter("max_subiterations", 60, "", "Most subiterations a step", min=3, max=1000),
         parameter("max_step", 0.5, "1", "Longest internal step in chords of travel at freestream speed", min=1e-3, max=10.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
         parameter("section_file", "", "", "CSV file that takes file points, contour and mesh surface at the start (empty: none)"),

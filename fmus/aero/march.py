@@ -35,6 +35,11 @@ MEMORY = 0.95
 """What is left, a step later, of the density change of a step as the measure of the tolerance."""
 STALE = 0.05
 """Relative change of the step length that asks for new factors."""
+SLOW = 15
+"""Subiterations of a step beyond which the next one linearises afresh."""
+HALVED = 8
+"""Subiterations over which the density change must halve, from twice as many on, else the step linearises afresh: a shock has
+moved off the factors."""
 
 
 class Flow(Field):
@@ -97,7 +102,7 @@ class Flow(Field):
                 self._refresh, self._age = False, 0
                 self.refactorings += 1
             limit = self.settings.max_subiterations * (1 if retry == 0 else 3)
-            count, change, moved = self._subiterate(factors, float(weights[0]), limit)
+            count, change, moved = self._subiterate(factors, float(weights[0]), limit, share)
             if np.isfinite(change):
                 break
         else:
@@ -114,27 +119,38 @@ class Flow(Field):
         relative = change / max(moved, 1e-12)
         self._age += 1
         # slow subiterations: the flow has left the one that was linearised
-        self._refresh = retry > 0 or (count > 0.6 * self.settings.max_subiterations and self._age >= 4)
+        self._refresh = retry > 0 or (count > SLOW and self._age >= 4)
         # strong moving shocks want smaller pseudo-steps; what is taken off is given back slowly
         self._caution = max(CAUTION, 0.5 * self._caution) if retry or count == limit else min(1.0, 1.02 * self._caution)
         return StepReport(count, float(relative), bool(relative <= self.settings.tolerance or change < 1e-10), retry)
 
-    def _subiterate(self, factors: Factors, weight: float, limit: int) -> tuple[int, float, float]:
-        """Subiterations used, last rms density change and that of the whole step; NaN when it blew up."""
-        change = moved = np.inf
+    def _subiterate(self, factors: Factors, weight: float, limit: int, share: float) -> tuple[int, float, float]:
+        """Subiterations used, last rms density change and that of the whole step; NaN when it blew up.
+
+        Where the change does not halve within HALVED subiterations the flow is linearised afresh, from the second time in the
+        step on with shorter pseudo-time steps (`share` of which the step takes anyway)."""
+        changes: list[float] = []
+        moved, afresh = np.inf, False
         for count in range(1, limit + 1):
             self.evaluate()
             add_time_derivative(self.out, self.q, self._past, self.mesh.volume, weight)
-            change = self.relax(factors)
-            if not np.isfinite(change) or change > BLOW_UP:
+            changes.append(self.relax(factors))
+            if not np.isfinite(changes[-1]) or changes[-1] > BLOW_UP:
                 return count, np.nan, np.nan
             if count == 2:
                 # densities do not turn: no need to rotate. At a turning point of the motion the steps before set the scale
                 moved = max(density_distance(self.q, self._levels[0]), MEMORY * self._moved)
-            if count >= 3 and change <= max(self.settings.tolerance * moved, 1e-10):
+            if count >= 3 and changes[-1] <= max(self.settings.tolerance * moved, 1e-10):
                 break
+            if count % HALVED == 0 and HALVED < count < limit and changes[-1] > 0.5 * changes[-HALVED]:
+                if afresh:
+                    self._caution = max(CAUTION, 0.5 * self._caution)
+                factors = self.linearised(weight, share * self._caution * self.settings.cfl)
+                self._set_factors(factors)
+                self.refactorings += 1
+                self._age, afresh = 0, True
         self.find_pressure()
-        return count, change, moved
+        return count, changes[-1], moved
 
     def save(self) -> dict[str, Any]:
         """All that the next step reads, arrays by reference: none of them is ever written again."""

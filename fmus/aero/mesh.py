@@ -100,7 +100,8 @@ def _radii(ni: int, nj: int, outer: float) -> Array:
 def _curvature(circle: CircleMap, ni: int) -> Array:
     """Wall curvature [1/chord] at the middle angle of each wall face, from the map on shifted angles."""
     step, half = 1e-3, np.pi / ni
-    behind, here, ahead = (circle.points(np.ones(1), ni, half + shift)[0] for shift in (-step, 0.0, step))
+    middle = half + 2 * np.pi * np.arange(ni) / ni
+    behind, here, ahead = (circle.at(np.ones(1), middle + shift)[0] for shift in (-step, 0.0, step))
     first, second = (ahead - behind) / (2 * step), (ahead - 2 * here + behind) / step**2
     # anticlockwise around the body: positive where convex
     return np.asarray((np.conj(first) * second).imag / np.abs(first) ** 3, dtype=float)

@@ -20,6 +20,9 @@ TREND = 40
 """Iterations over which changes of the lift are compared."""
 SLOWEST = 0.9
 """Largest ratio of such changes that is believed: beyond, they do not fall."""
+STALL, STALLED, LEAST = 400, 0.8, 0.1
+"""Pseudo-time steps are halved, down to LEAST, when over STALL iterations the change of the second half is not below STALLED
+of the first's."""
 LIFT = 0.01
 """Lift coefficient below which what is left of it counts absolutely, not relatively."""
 
@@ -56,11 +59,16 @@ def _iterate(field: Field, incidence: float, settings: Settings, tolerance: floa
     start = field.q.copy()
     change, converged, caution, retries, iteration = np.inf, False, 1.0, 0, 0
     lifts: list[float] = []
+    changes: list[float] = []
+    eased = 0
     while iteration < settings.steady_iterations:
         if iteration % RENEW == 0 or (iteration < ramp and iteration % 8 == 0):
             share = caution * (min(1.0, 0.1 + iteration / ramp) if ramp else 1.0)
             least = settings.steady_least_cfl * share
             factors = field.linearised(1 / (settings.steady_step * share), settings.steady_cfl * share, least)
+        if iteration - eased >= STALL and min(changes[-STALL // 2 :]) > STALLED * min(changes[-STALL : -STALL // 2]):
+            # going round in a circle: smaller pseudo-steps from the next linearisation on
+            caution, eased = max(0.5 * caution, LEAST), iteration
         field.evaluate()
         change = field.relax(factors)
         if not np.isfinite(change):
@@ -71,8 +79,11 @@ def _iterate(field: Field, incidence: float, settings: Settings, tolerance: floa
             caution, iteration, ramp, field.q[:] = 0.4 * caution, 0, max(ramp, RAMP), start
             field.farfield.set(incidence, 0.0)
             lifts.clear()
+            changes.clear()
+            eased = 0
             continue
         iteration += 1
+        changes.append(change)
         lifts.append(field.coefficients.lift)
         field.farfield.set(incidence, lifts[-1])
         converged = change < tolerance and _left_of_lift(lifts) < settings.steady_lift

@@ -22,7 +22,7 @@ def error_bar(crossing: dict[str, Any]) -> list[str]:
     Standard deviations bare, changes of V_f with their sign."""
     parts, missing, grids = crossing["uncertainty_parts"], crossing["uncertainty_missing"], crossing["richardson"]
     lines = []
-    if missing or set(parts) & {"step", "amplitude", "mesh"}:
+    if missing or set(parts) & {"step", "amplitude", "mesh", "discretisation", "model"}:
         texts = [
             f"{name} {value:.4f}" if name in ("fit", "interpolation") else f"{name} {value:+.4f}" for name, value in parts.items()
         ]

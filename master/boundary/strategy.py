@@ -23,7 +23,9 @@ from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
 from ..linear import model as linear_model
 from ..linear.model import LinearCrossing, LinearModel
+from . import companion as companions
 from . import static_strategy
+from .companion import Companion
 from .search import VAGUE, BoundaryPoint, Limits, Marcher, Prediction, State, oscillation_std, outcome_text, sample, search
 from .static_strategy import growing_sample
 from .uncertainty import Spread
@@ -71,10 +73,13 @@ class Confirm:
         expected = model.crossings(low, high)
         for c in expected:
             self.say(f"  linear: {c.name} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}, frequency {c.frequency:.4f}")
+        beside = None
+        if b.companion and expected and not (self.marching and (b.uncertainty or b.richardson)):
+            beside = companions.identify(self.open_setup, model, self.say)
         if not self.marching:
-            point = _unmarched(mach, model, expected, low, high)
+            point = _unmarched(mach, model, expected, low, high, beside)
         elif expected:
-            point = self._confirmed(marcher, mach, model, expected)
+            point = self._confirmed(marcher, mach, model, expected, beside)
         else:
             point = self._none_expected(marcher, mach, model)
         point.divergence = self._divergence(mach)
@@ -133,8 +138,10 @@ class Confirm:
     def _spread(self, mach: float, take: Callable[[March], Sample]) -> Spread:
         return Spread(self.case, mach, self.setup_at(mach), self.open_setup, take, self.say)
 
-    def _confirmed(self, marcher: Marcher, mach: float, model: LinearModel, expected: list[LinearCrossing]) -> BoundaryPoint:
-        """March at every predicted crossing."""
+    def _confirmed(
+        self, marcher: Marcher, mach: float, model: LinearModel, expected: list[LinearCrossing], beside: Companion | None
+    ) -> BoundaryPoint:
+        """March at every predicted crossing; `beside` tells of their error bars what marches do not."""
         b = self.case.boundary
         marches: list[March] = []
         checks: list[March] = []
@@ -146,13 +153,15 @@ class Confirm:
             hidden = _hidden(c, model)
             if hidden:
                 predictions.append(Prediction(c, State.NOT_MARCHED, None, hidden))
-                found.append(_as_crossing(c))
+                found.append(_as_crossing(c, beside))
                 continue
             if c.kind == "divergence":
                 marched, static, why = static_strategy.confirm(marcher, c.V_f, b.tolerance, model.real)
                 marches += static
                 samples += [sample(m) for m in static]
-                found += [] if marched is None else [self._widened(marched, static, growing_sample, checks, mach)]
+                if marched is not None:
+                    marched = _beside(self._widened(marched, static, growing_sample, checks, mach), c, beside)
+                    found.append(marched)
                 predictions.append(_static_prediction(c, marched, why))
                 continue
             low, high = _window(c, expected, b.V_f_range[0], b.V_f_range[1])
@@ -170,7 +179,7 @@ class Confirm:
             same = [x for x in part.crossings if x.direction == c.direction]
             marched = min(same, key=lambda x: abs(x.V_f - c.V_f), default=None)
             if marched is not None:
-                marched = self._widened(marched, part.marches, take, checks, mach)
+                marched = _beside(self._widened(marched, part.marches, take, checks, mach), c, beside)
             predictions.append(_prediction(c, marched, part, model))
             found += [] if marched is None else [marched]
         found.sort(key=lambda x: x.V_f)
@@ -224,9 +233,17 @@ def _hidden(c: LinearCrossing, model: LinearModel) -> str:
     return f"linear {c.name} at V_f = {c.V_f:.4f} not marched: {what} that grows at {worst.real:+.2f} omega_alpha hides it there"
 
 
-def _as_crossing(c: LinearCrossing) -> Crossing:
+def _as_crossing(c: LinearCrossing, beside: Companion | None) -> Crossing:
     """A crossing of the linear model as a result."""
-    return Crossing(c.V_f, c.frequency, c.direction, c.slope, True, {"model": c.uncertainty}, met=True, source="linear")
+    known = math.isfinite(c.uncertainty)
+    parts, missing = ({"model": c.uncertainty}, ()) if known else ({}, ("model",))
+    found = Crossing(c.V_f, c.frequency, c.direction, c.slope, True, parts, met=True, source="linear", missing=missing)
+    return _beside(found, c, beside)
+
+
+def _beside(crossing: Crossing, c: LinearCrossing, beside: Companion | None) -> Crossing:
+    """`crossing`, which is `c`, with what the coarse models tell of its error bar."""
+    return crossing if beside is None else beside.widened(crossing, c)
 
 
 def mode_sample(march: March, c: LinearCrossing, model: LinearModel) -> Sample:
@@ -297,9 +314,11 @@ def _static_prediction(c: LinearCrossing, marched: Crossing | None, why: str) ->
     return Prediction(c, State.CONFIRMED, marched, f"{said}: marched {marched.V_f:.4f}, {marched.V_f / c.V_f - 1.0:+.2%}")
 
 
-def _unmarched(mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float) -> BoundaryPoint:
+def _unmarched(
+    mach: float, model: LinearModel, expected: list[LinearCrossing], low: float, high: float, beside: Companion | None
+) -> BoundaryPoint:
     """The linear model's crossings as the result."""
-    found = [_as_crossing(c) for c in expected]
+    found = [_as_crossing(c, beside) for c in expected]
     text = outcome_text(found, [], low, high, 0, None)
     if not found:
         rate = max(float(model.eigenvalues(v)[0].real) for v in (low, high))

@@ -64,7 +64,7 @@ class Spread:
         cells = [(self.case.aero.cells_around, self.case.aero.cells_normal)]
         on_meshes = [own]
         for _ in range(2 if self.case.boundary.richardson else 1):
-            cells.append(_coarser(cells[-1]))
+            cells.append(coarser(cells[-1]))
             on_meshes.append(self._on_mesh(cells[-1], V_f, crossing))
         grids = None
         if len(cells) == 3 and all(map(math.isfinite, on_meshes)) and len(set(cells)) == 3:
@@ -115,6 +115,6 @@ class Spread:
         return self.take(self.marches[-1])
 
 
-def _coarser(cells: tuple[int, int]) -> tuple[int, int]:
+def coarser(cells: tuple[int, int]) -> tuple[int, int]:
     """Cells around and normal of the next coarser mesh, no fewer than the aero FMU takes."""
     return max(64, round(cells[0] / COARSER)), max(16, round(cells[1] / COARSER))

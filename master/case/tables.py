@@ -140,6 +140,9 @@ class Boundary:
         "auto", "amplitude of the linear model's motions; auto: flutter.forced_amplitude_deg", "deg",
         above=0.0, high=20.0, choices=["auto"],
     )  # fmt: skip
+    companion: bool = key(
+        True, "sweeps on a coarser mesh with longer steps, and with half the amplitude: what these change, into the error bars"
+    )
     uncertainty: bool = key(
         False, "three more marches a crossing: half the step, half the amplitude, coarser mesh, into its error bar"
     )

@@ -53,7 +53,9 @@ class LinearCrossing:
     slope: float
     branch: int
     reduced_frequency: float
-    uncertainty: float = 0.0  # change of V_f under a model of two poles less; of divergence, under slopes from the other side
+    uncertainty: float = (
+        0.0  # change of V_f under a model of two poles less; of divergence, under slopes from the other side, or nan
+    )
 
     @property
     def kind(self) -> str:
@@ -159,22 +161,31 @@ class LinearModel:
             alike = [o for o in others if o.direction == n.direction and abs(o.frequency - n.frequency) < 0.2 * n.frequency]
             same = [abs(o.value - n.value) for o in alike if abs(o.value / n.value - 1.0) < NEAR]
             if k <= BAND and (k >= LOWEST or (same and k >= SLOWEST_KNOWN)):
-                doubt = min(same, default=0.1 * n.value)
+                doubt = min(same, default=self._unmatched(n.value, n.frequency, n.slope))
                 found.append(LinearCrossing(n.value, n.frequency, n.direction, n.slope, n.branch, k, doubt))
         static = self.divergence()
         if low <= static <= high:
             step = 1e-3 * static
             slope = (self.real(static + step) - self.real(static - step)) / (2.0 * step)
             other = self.divergence(self.other) if self.other is not None else math.inf
-            doubt = abs(other - static) if math.isfinite(other) else 0.1 * static
+            doubt = abs(other - static) if math.isfinite(other) else math.nan
             found.append(LinearCrossing(static, 0.0, "onset", slope, -1, 0.0, doubt))
         return sorted(found, key=lambda c: c.V_f)
 
+    def _unmatched(self, V_f: float, frequency: float, slope: float) -> float:
+        """Change of V_f under a model of two poles less that has no such crossing near: its growth rate there over the slope."""
+        values = np.linalg.eigvals(self._matrix(self.smaller, V_f)) * _per_omega_alpha(self.case, V_f)
+        nearest = values[np.argmin(np.abs(values - 1j * frequency))]
+        return abs(float(nearest.real) / slope) if slope else math.nan
 
-def identify(setup: FlutterSetup, amplitude_deg: float, say: Callable[[str], None] = lambda text: None) -> LinearModel:
+
+def identify(
+    setup: FlutterSetup, amplitude_deg: float, say: Callable[[str], None] = lambda text: None, step: float = STEP
+) -> LinearModel:
     """The linear model of the aero FMU of `setup`, from its saved steady flow, by motions of `amplitude_deg`.
 
-    Raises ComponentError when the FMU fails, AeroSloshError when it lacks a variable or answers with no number."""
+    `step`: in half chords of travel. Raises ComponentError when the FMU fails,
+    AeroSloshError when it lacks a variable or answers with no number."""
     begin = clock.perf_counter(), clock.process_time()
     check_interface(setup.aero)
     s = scales(setup.case, setup.mach, setup.case.flutter.V_f)  # speed and chord: V_f does not matter
@@ -183,10 +194,10 @@ def identify(setup: FlutterSetup, amplitude_deg: float, say: Callable[[str], Non
     records = []
     for name, curves in (("plunge", (sweep, still)), ("pitch", (still, sweep))):
         say(f"  sweep in {name}, {amplitude_deg:g} degrees")
-        records.append(drive(setup.aero, setup.steady, s, curves, STEP, SWEEP + REST))
+        records.append(drive(setup.aero, setup.steady, s, curves, step, SWEEP + REST))
     say("  another motion, to check")
     both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
-    check = drive(setup.aero, setup.steady, s, both, STEP, CHECK)
+    check = drive(setup.aero, setup.steady, s, both, step, CHECK)
     slopes = setup.slopes()
     steady = np.array([slopes.C_L, slopes.C_M]) if slopes is not None else None
     aero = rational_fit.fit(records, ORDER, SLOWEST, FASTEST, steady)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -125,7 +126,7 @@ def test_a_march_goes_on_until_its_verdict_is_settled_and_no_further(fmus: dict[
 
 def test_apparent_mass_couples_implicitly_unless_the_case_chooses(fmus: dict[str, Path]) -> None:
     case = sections.named(0.32, -0.19, 0.11, 1.79, 5.0)
-    assert apparent_mass.ratio(case, 0.3) > apparent_mass.STABLE
+    assert apparent_mass.ratio(case, 0.3) > apparent_mass.STABLE[1]
     with FlutterSetup(case, fmus, 0.3) as setup:
         march = flutter_march.march(setup, 0.15)
     assert march.verdict is Verdict.DAMPED and "coupled implicitly" in march.note
@@ -136,5 +137,24 @@ def test_apparent_mass_couples_implicitly_unless_the_case_chooses(fmus: dict[str
         flutter_march.march(setup, 0.15)
 
 
-def test_ordinary_sections_keep_their_scheme() -> None:
-    assert apparent_mass.coupling(Case(), 0.8) == (Case().coupling, "")
+def test_ordinary_sections_keep_their_scheme_and_extrapolate_loads_by_a_parabola() -> None:
+    assert apparent_mass.coupling(Case(), 0.8) == (dataclasses.replace(Case().coupling, predictor_order=2), "")
+    chosen = Case()
+    chosen.coupling.predictor_order = 1
+    chosen.given.add("coupling.predictor_order")
+    assert apparent_mass.coupling(chosen, 0.8) == (chosen.coupling, "")
+
+
+def test_a_parabola_at_the_default_step_is_as_good_as_many_steps(fmus: dict[str, Path]) -> None:
+    """Growth rates of a line, a parabola and implicit coupling against the exact eigenvalues of the thin-airfoil double."""
+    case = sections.named(0.35, 0.2, 0.4, 0.6, 40.0)
+    exact = theory.eigenvalues(case, 0.3, 0.6)[0].real
+    errors = {}
+    for order in (1, 2):
+        case.coupling.predictor_order = order
+        case.given.add("coupling.predictor_order")
+        with FlutterSetup(case, fmus, 0.3) as setup:
+            march = flutter_march.march(setup, 0.6)
+        assert march.fit is not None
+        errors[order] = abs(march.fit.growth_rate - exact)
+    assert errors[2] < 0.25 * errors[1], errors
