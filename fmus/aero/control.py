@@ -38,7 +38,7 @@ class Settings:
 
     tolerance: rms density change of the last subiteration over that of the whole step; cfl: pseudo-time step of a
     subiteration; steady_tolerance: rms density change an iteration; steady_cfl, steady_step: local and global pseudo-time step,
-    the global one not below steady_least_cfl in any cell (the cells at the outer boundary are several chords large);
+    the global one not below steady_least_cfl in any cell (those at the outer boundary are many chords large);
     steady_lift: relative error of the lift that is left, by the trend of its last changes.
     """
 
@@ -49,5 +49,5 @@ class Settings:
     steady_iterations: int = 3000
     steady_cfl: float = 20.0
     steady_step: float = 1.0
-    steady_least_cfl: float = 10.0
+    steady_least_cfl: float = 1.0
     steady_lift: float = 1e-4

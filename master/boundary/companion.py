@@ -2,8 +2,8 @@
 
 Mesh, step and outer boundary are coarsened together by the same factor, so that what they change is one error that falls with
 it; a second coarse model swept by half the amplitude tells what the amplitude changes. At a crossing's V_f the eigenvalue of its
-mode is compared, not the V_f of two crossings: a model that has the crossing elsewhere, or not at all, tells as much. Both cost
-less than a third of the model they stand beside. `boundary.uncertainty` replaces them by marches (module `uncertainty`).
+mode is compared, not the V_f of two crossings: a model that has the crossing elsewhere, or not at all, tells as much. Together
+they cost about half of the model they stand beside. `boundary.uncertainty` replaces them by marches (module `uncertainty`).
 """
 
 from __future__ import annotations

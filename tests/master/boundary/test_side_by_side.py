@@ -130,7 +130,8 @@ def test_interrupted_it_keeps_what_is_finished_and_ends_its_workers(flutter_fmus
 
 def test_a_callback_hears_of_every_mach_number_and_cancels(flutter_fmus: Path) -> None:
     case = ae.Case.isogai_a().replace(
-        boundary={"V_f_range": [1.0, 4.0], "tolerance": 0.03}, flutter={"steps_per_cycle": 72, "free_cycles": 30.0}
+        boundary={"V_f_range": [1.0, 4.0], "tolerance": 0.03, "companion": False},
+        flutter={"steps_per_cycle": 72, "free_cycles": 30.0},
     )
     heard: list[ae.Update] = []
     whole = ae.boundary(case, mach=[0.3, 0.35, 0.4], fmus=flutter_fmus, workers=2, progress=heard.append)
