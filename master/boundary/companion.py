@@ -24,7 +24,7 @@ from ..linear.model import LinearCrossing, LinearModel
 from .uncertainty import COARSER, coarser
 
 PARTS = ("discretisation", "amplitude")  # of an error bar, made here
-SHARE = 1.5  # of the difference to the coarse model that the own one is taken to be off: an order of 1.3 (docs/boundary.md)
+SHARE = 1.0  # of the difference to the coarse model that the own one is taken to be off: an order of 1.7 (docs/boundary.md)
 NO_SLOPE = 1e-6  # dσ/dV_f below which a growth rate does not tell a V_f
 
 
