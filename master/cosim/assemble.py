@@ -30,9 +30,9 @@ def make(settings: Coupling) -> Scheme:
             'leave them out, or take coupling.scheme = "implicit"',
         )
     if settings.scheme == Jacobi.name:
-        return Jacobi(settings.predictor_order)
+        return Jacobi(settings.extrapolated)
     if settings.scheme == GaussSeidel.name:
-        return GaussSeidel(settings.predictor_order)
+        return GaussSeidel(settings.extrapolated)
     criteria = Criteria(
         settings.tolerance,
         settings.absolute_tolerance,
@@ -43,7 +43,7 @@ def make(settings: Coupling) -> Scheme:
         settings.retries,
     )
     faster = acceleration.make(settings.acceleration, settings.relaxation, settings.reuse_steps, settings.filter)
-    return Implicit(settings.predictor_order, criteria, faster)
+    return Implicit(settings.extrapolated, criteria, faster)
 
 
 def assemble(
@@ -73,14 +73,14 @@ def assemble(
 
 def _refuse_double_prediction(components: Sequence[Component], settings: Coupling) -> None:
     """An FMU that extrapolates its inputs takes them as values of the start of the step: only a Jacobi of order 0 gives those."""
-    if settings.scheme == Jacobi.name and settings.predictor_order == 0:
+    if settings.scheme == Jacobi.name and settings.extrapolated == 0:
         return
     for component in components:
         for name in PREDICTIONS:
             if component.given.get(name):
                 raise AeroSloshError(
                     f"{component.name}.{name} = 1: the FMU extrapolates its inputs, and so does the master (coupling.scheme = "
-                    f'"{settings.scheme}", predictor_order = {settings.predictor_order})',
+                    f'"{settings.scheme}", predictor_order = {settings.extrapolated})',
                     "coupling.predictor_order",
                     f'leave {name} out, or take coupling.scheme = "jacobi" with predictor_order = 0',
                 )

@@ -16,7 +16,10 @@ class Coupling:
         default_factory=list,
         metadata=rule("order of the components in a pass; empty: the one in which the fewest inputs lag", empty=True),
     )
-    predictor_order: int = key(1, "order of the extrapolation of lagged inputs", low=0, high=2)
+    predictor_order: int | str = key(
+        "auto", "order of the extrapolation of lagged inputs; auto: 2 of a flutter case, 1 of a system file", low=0, high=2,
+        choices=["auto"],
+    )  # fmt: skip
     substeps: dict[str, int] = field(
         default_factory=dict, metadata=rule("component = number of steps it makes in one", low=1, high=100000, empty=True)
     )
@@ -46,3 +49,8 @@ class Coupling:
     relaxation: float = key(1.0, "implicit: part of the first residual that is taken (constant: of all)", above=0.0, high=2.0)
     reuse_steps: int = key(8, "iqn-ils: earlier steps whose passes are used", low=0, high=1000)
     filter: float = key(1e-6, "iqn-ils: columns with less new in them than this are left out", low=0.0, high=1.0)
+
+    @property
+    def extrapolated(self) -> int:
+        """The order of the extrapolation; that of a system file where it is left open (a flutter case sets it)."""
+        return self.predictor_order if isinstance(self.predictor_order, int) else 1

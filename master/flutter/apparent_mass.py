@@ -47,15 +47,15 @@ def coupling(case: Case, mach: float, liquid: Liquid | None = None) -> tuple[Cou
     c, share = case.coupling, ratio(case, mach, liquid)
     if c.scheme == "implicit":
         return c, ""
-    chosen = "coupling.predictor_order" in case.given
+    chosen = c.predictor_order != "auto"
     if not chosen and share <= ACCURATE:
         return dataclasses.replace(c, predictor_order=PARABOLA), ""
-    if chosen and share <= min(LINE, 0.5 * STABLE[c.predictor_order]):
+    if chosen and share <= min(LINE, 0.5 * STABLE[c.extrapolated]):
         return c, ""
     air = f"the air that moves with the section has {share:.0%} of its mass"
     if "coupling.scheme" not in case.given:
         return dataclasses.replace(c, scheme="implicit"), f"coupled implicitly: {air}"
-    if share > STABLE[c.predictor_order]:
+    if share > STABLE[c.extrapolated]:
         raise AeroSloshError(
             f"{air[0].upper()}{air[1:]}: a march that passes loads on once a step diverges",
             f'{case.source or case.name}, coupling.scheme = "{c.scheme}"',

@@ -162,7 +162,7 @@ def _refuse(coupling: Coupling, where: str) -> None:
 def _predict(parts: list[Part], coupling: Coupling, wish: str | None) -> list[str]:
     """Switch the FMUs' prediction on where it is wished for; what the archive does not say of the coupling."""
     # the order of an implicit scheme is a first guess, and a loop that needs it is too strong to be extrapolated
-    own = coupling.predictor_order > 0 and coupling.scheme != "implicit"
+    own = coupling.extrapolated > 0 and coupling.scheme != "implicit"
     on = own if wish is None else wish == "linear"
     without = []
     for part in parts:

@@ -15,7 +15,7 @@ from aeroslosh.master.results import history_file
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import ROOT, Fmu, Host, difference, files, small
 
-JACOBI = ["--set", "coupling.scheme=jacobi"]
+JACOBI = ["--set", "coupling.scheme=jacobi", "--set", "coupling.predictor_order=1"]  # as the FMUs extrapolate
 SIGNALS = {
     "structure.h": "h", "structure.h_dot": "h_dot", "structure.h_ddot": "h_ddot", "structure.alpha": "alpha",
     "structure.alpha_dot": "alpha_dot", "structure.alpha_ddot": "alpha_ddot", "aero.lift": "lift", "aero.moment": "moment",

@@ -69,8 +69,10 @@ def left(out: Path) -> dict[str, Any]:
 
 
 def timeless(text: str) -> list[str]:
-    """Lines without dates and seconds, and without what follows from where they were computed."""
-    lines = [line for line in text.splitlines() if "cost  " not in line and "run folder" not in line]
+    """Lines without dates and seconds, and without what follows from where they were computed: the double whose copy of a shared
+    module a process loaded first stands in a traceback."""
+    apart = "cost  ", "run folder", '  File "'
+    lines = [line for line in text.splitlines() if not any(word in line for word in apart)]
     return [re.sub(r"^\d{4}-\S+ +|,? +[\d.]+ s$", "", line) for line in lines]
 
 

@@ -141,7 +141,6 @@ def test_ordinary_sections_keep_their_scheme_and_extrapolate_loads_by_a_parabola
     assert apparent_mass.coupling(Case(), 0.8) == (dataclasses.replace(Case().coupling, predictor_order=2), "")
     chosen = Case()
     chosen.coupling.predictor_order = 1
-    chosen.given.add("coupling.predictor_order")
     assert apparent_mass.coupling(chosen, 0.8) == (chosen.coupling, "")
 
 
@@ -152,7 +151,6 @@ def test_a_parabola_at_the_default_step_is_as_good_as_many_steps(fmus: dict[str,
     errors = {}
     for order in (1, 2):
         case.coupling.predictor_order = order
-        case.given.add("coupling.predictor_order")
         with FlutterSetup(case, fmus, 0.3) as setup:
             march = flutter_march.march(setup, 0.6)
         assert march.fit is not None

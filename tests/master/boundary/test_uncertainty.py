@@ -27,7 +27,6 @@ def case_of(steps_per_cycle: int, richardson: bool = False) -> Case:
     """Marches alone; Gauss–Seidel with loads extrapolated by a line, whose step error is of second order and can be seen."""
     case = Case()
     case.coupling.predictor_order = 1
-    case.given.add("coupling.predictor_order")
     case.flutter.steps_per_cycle, case.boundary.tolerance = steps_per_cycle, 1e-3
     case.boundary.method, case.boundary.uncertainty, case.boundary.richardson = "march", True, richardson
     return case

@@ -163,7 +163,8 @@ def test_a_rig_that_cannot_be_assembled_leaves_no_instance(
     monkeypatch.setattr(Component, "_instantiate", counted)
     with pytest.raises(AeroSloshError):
         FlutterSetup(case, fmus, 0.3)
-    assert len(made) == 3 and {component.state for component in made} == {"freed"}
+    assert len(made) == (0 if cause == "surrogate" else 3)  # a file that is missing is seen before any starts
+    assert {component.state for component in made} <= {"freed"}
 
 
 def test_a_failing_step_tells_the_fmu_s_own_words(doubles: Path) -> None:

@@ -62,7 +62,6 @@ def test_default_step_is_accurate_enough(fmus: dict[str, Path], scheme: str, lim
 
 def test_gauss_seidel_growth_rate_is_second_order(fmus: dict[str, Path]) -> None:
     case = make_case(coupling__scheme="gauss-seidel", coupling__predictor_order=1)
-    case.given.add("coupling.predictor_order")
     expected = theory.eigenvalues(case, MACH, 0.6)[0]
     errors = []
     with FlutterSetup(case, fmus, MACH) as setup:

@@ -142,7 +142,7 @@ def confirmed(
 ) -> tuple[BoundaryPoint, list[str]]:
     """What marches of the Isogai section make of `model`, whatever section it is of."""
     case, said = Case(), []
-    case.boundary.V_f_range = [0.5, high]
+    case.boundary.V_f_range, case.boundary.companion = [0.5, high], False
     monkeypatch.setattr(linear_model, "identify", lambda *_: model)
     with FlutterSetup(case, find_fmus(fmus), MACH) as setup:
         strategy = boundary_strategy.Confirm(case, lambda mach: setup, lambda case, mach: setup, said.append, marching=True)

@@ -230,7 +230,7 @@ def test_people_read_the_judgement_first(
     assert cli.run(["compare", str(a), str(b)]) == 1
     said = capsys.readouterr().out.splitlines()
     assert said[2] == "DIFFERENT"
-    assert said[3].split() == ["settings", "coupling.predictor_order", "1", "→", "2"]
+    assert said[3].split() == ["settings", "coupling.predictor_order", "auto", "→", "2"]
     assert any(line.startswith("  alpha: ") and "of its range" in line and "apart since t = " in line for line in said)
     assert not any(line.startswith("  lift: ") for line in said)
     cli.run(["compare", str(a), str(b), "--all"])
