@@ -189,16 +189,11 @@ def _keep_jump(s: Any, cell: int, second: int, third: int, sigma: float, ahead: 
 
 
 @inline
-def _keep_jumps(s: Any, first: int, beyond: int) -> None:
-    """The cells on both sides of the cut, which lies before the place `first` of the tile's rows; `beyond`: place of the third
-    cell before the cut, or of the third behind it where `first` is the tile's end."""
+def _keep_jumps(s: Any, first: int, third_last: int, third: int) -> None:
+    """The cells on both sides of the cut, which lies before the place `first` of the tile's rows; third_last, third: places of
+    the third cell before the cut and of the third behind it."""
     p = _CUR + 3 * _W + first
-    last, third_last, third = first - 1, first - 3, first + 2
-    if first == 2:
-        third_last = beyond
-    else:
-        third = beyond
-    _keep_jump(s, last, first - 2, third_last, limiter(s[p - 2], s[p - 1], s[p]), False)
+    _keep_jump(s, first - 1, first - 2, third_last, limiter(s[p - 2], s[p - 1], s[p]), False)
     _keep_jump(s, first, first + 1, third, limiter(s[p - 1], s[p], s[p + 1]), True)
 
 
@@ -293,9 +288,9 @@ def residual(
                         s[_NEXT + m * _W + 2 + k] = far[m * ni + i0 + k]
             _reconstruct_i(s)
             if i0 == 0:
-                _keep_jumps(s, 2, TILE + 5)
+                _keep_jumps(s, 2, TILE + 5, 4)
             if i0 + TILE == ni:
-                _keep_jumps(s, TILE + 2, TILE + 4)
+                _keep_jumps(s, TILE + 2, TILE - 1, TILE + 4)
             _reconstruct_j(s)
             _flux(side, ni, j, i0, motion, s, _RIGHT + 1, _LEFT + 2, _FI)
             _last_flux_i(side, ni, j, i0, motion, s)

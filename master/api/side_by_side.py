@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from ..base import interrupts
+from ..base.cores import usable_cores
 from ..base.errors import AeroSloshError, ExitCode
 from ..boundary import search
 from ..boundary.search import BoundaryPoint
 from ..case.case import Case
 from ..flutter.march import March
 from ..sweeps.one_mach import MachJob, Solved
-from ..sweeps.workers import LocalPool, usable_cores
+from ..sweeps.workers import LocalPool
 
 TRIES = 2  # times a Mach number is given to a worker that dies over it
 NUMBERS = "Mach numbers"  # label of how many are done

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base import notices, toml_text
+from ..base.cores import usable_cores
 from ..base.errors import AeroSloshError
 from ..case import case as cases
 from ..fmi import kernels
@@ -24,7 +25,7 @@ from ..sweeps.parameters import parameter
 from ..sweeps.plan import Plan
 from ..sweeps.progress import SweepProgress
 from ..sweeps.sweep import Pool, Store
-from ..sweeps.workers import LocalPool, usable_cores
+from ..sweeps.workers import LocalPool
 from . import datasets
 from .case import Case, plain
 from .point import fmu_folder, warned

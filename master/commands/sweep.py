@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..api import sweep as api
+from ..base.cores import usable_cores
 from ..base.errors import AeroSloshError, ExitCode
 from ..case import airfoils
 from ..case import case as cases
@@ -20,7 +21,7 @@ from ..sweeps.parameters import Parameter, from_case, from_words
 from ..sweeps.plan import Plan
 from ..sweeps.progress import SweepProgress
 from ..sweeps.sweep import Store
-from ..sweeps.workers import LocalPool, usable_cores
+from ..sweeps.workers import LocalPool
 from . import HELP, common, sweep_report
 
 FLAGS = {"grid": "grid", "list": "list", "hypercube": "latin-hypercube"}

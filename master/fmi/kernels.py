@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base import interrupts, notices
+from ..base.cores import usable_cores
 from ..base.paths import PLACE
 from . import unpack
 
@@ -55,14 +56,13 @@ def _prepare(fmus: Sequence[tuple[Path, str, Mapping[str, Any]]]) -> None:
 
 
 def _compile(fmus: Sequence[tuple[Path, Mapping[str, Any]]]) -> None:
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     asked = []
     for folder, given in fmus:  # without texts, which may name files to be written
         asked.append([str(folder), {name: value for name, value in given.items() if not isinstance(value, str)}])
     words = [sys.executable, "-m", "aeroslosh.master.fmi.rehearsal", json.dumps(asked, default=float)]
     path = os.pathsep.join([str(PLACE), *filter(None, [os.environ.get("PYTHONPATH")])])
     process = subprocess.Popen(
-        [*words, str(min(cores, PROCESSES))],
+        [*words, str(min(usable_cores(), PROCESSES))],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

@@ -45,7 +45,9 @@ GOOD = 0.02  # a model that misses more of the unseen motion is said to
 
 @dataclass(frozen=True)
 class LinearCrossing:
-    """A neutral V_f of the linear model, frequency over omega_alpha; `slope` is d(σ/ω_α)/dV_f."""
+    """A neutral V_f of the linear model, frequency over omega_alpha; `slope` is d(σ/ω_α)/dV_f.
+
+    uncertainty  change of V_f under a model of two poles less; of a divergence, under slopes from the other side, or nan"""
 
     V_f: float
     frequency: float
@@ -53,9 +55,7 @@ class LinearCrossing:
     slope: float
     branch: int
     reduced_frequency: float
-    uncertainty: float = (
-        0.0  # change of V_f under a model of two poles less; of divergence, under slopes from the other side, or nan
-    )
+    uncertainty: float = 0.0
 
     @property
     def kind(self) -> str:
@@ -184,8 +184,8 @@ def identify(
 ) -> LinearModel:
     """The linear model of the aero FMU of `setup`, from its saved steady flow, by motions of `amplitude_deg`.
 
-    `step`: in half chords of travel. Raises ComponentError when the FMU fails,
-    AeroSloshError when it lacks a variable or answers with no number."""
+    `step`: in half chords of travel. Raises ComponentError when the FMU fails, AeroSloshError when it lacks a variable or answers
+    with no number."""
     begin = clock.perf_counter(), clock.process_time()
     check_interface(setup.aero)
     s = scales(setup.case, setup.mach, setup.case.flutter.V_f)  # speed and chord: V_f does not matter

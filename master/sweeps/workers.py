@@ -275,8 +275,3 @@ class LocalPool(Generic[T, P]):
     def _retire(self, worker: Worker) -> None:
         self._workers.remove(worker)
         worker.end()
-
-
-def usable_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
