@@ -93,7 +93,7 @@ def exported(case: Case, fmu: Fmu, folder: Path, sizes: Sizes = even) -> Exporte
     signals = MOTION + LOADS + (SLOSH if case.slosh.model != "none" else ())
     with FlutterSetup(case, fmus, case.flow.mach) as setup:
         setup.start(case.flutter.V_f)
-        march = marched(setup.system, sizes(coupled, STEPS), signals, case.coupling.predictor_order)
+        march = marched(setup.system, sizes(coupled, STEPS), signals, case.coupling.extrapolated)
     return Exported(folder / "case.ssp", coupled, signals, march)
 
 
