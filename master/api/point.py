@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from ..base import notices, pvd
 from ..case import airfoils, checks, fmu_parameters, fuel_tank, plausible
 from ..case import case as cases
 from ..cosim.checkpoint import Checkpoint, Keeper
+from ..flutter import coarse_marches
 from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup, find_fmus
@@ -80,7 +81,8 @@ class Point:
 
     @property
     def growth_rate_uncertainty(self) -> float:
-        """Standard deviation of the growth rate, over omega_alpha: of the fit alone (docs/verdict.md)."""
+        """Standard deviation of the growth rate, over omega_alpha: fit, mesh with step and outer boundary, and amplitude
+        (docs/verdict.md); what is not in it is named in data["uncertainty_missing"]."""
         return _number(self.data["growth_rate_uncertainty"])
 
     @property
@@ -184,10 +186,19 @@ def compute(
         say(f"march at Mach {mach:g}, V_f {V_f:g}")
         report.start(f"M {mach:g} V_f {V_f:.4g}")
         march = flutter_march.march(setup, V_f, place, report.watch, keeper, start)
-        data = summary.march_data(march, setup.steady_cpu) | {"airfoil_summary": setup.airfoil_summary or None}
+        change = _error_bar(case, fmus, march, say)
+        data = summary.march_data(march, setup.steady_cpu, change) | {"airfoil_summary": setup.airfoil_summary or None}
         if folder is not None:
             folder.log_messages(setup.system.components)
         return Computed(march, data, provenance(hashes), setup.airfoil_summary)
+
+
+def _error_bar(case: cases.Case, fmus: dict[str, Path], march: March, say: Callable[[str], None]) -> coarse_marches.Change:
+    """What coarse marches tell of the error bar of `march`'s critical mode; nothing where they are not wanted or it has none."""
+    if not case.flutter.companion or march.failure is not None or march.fit is None:
+        return coarse_marches.Change()
+    pole = complex(march.fit.growth_rate, march.fit.frequency)
+    return coarse_marches.change(lambda of, mach: FlutterSetup(of, fmus, mach), case, march, pole, say)
 
 
 def write(case: cases.Case, computed: Computed, folder: RunFolder) -> None:

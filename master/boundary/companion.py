@@ -18,13 +18,11 @@ import numpy as np
 from ..analysis.crossings import Crossing
 from ..base.errors import AeroSloshError
 from ..case.case import Case
+from ..flutter.coarse_marches import COARSER, PARTS, SHARE, coarse_case
 from ..flutter.setup import FlutterSetup
 from ..linear import model as linear_model
 from ..linear.model import LinearCrossing, LinearModel
-from .uncertainty import COARSER, coarser
 
-PARTS = ("discretisation", "amplitude")  # of an error bar, made here
-SHARE = 1.0  # of the difference to the coarse model that the own one is taken to be off: an order of 1.7 (docs/boundary.md)
 NO_SLOPE = 1e-6  # dσ/dV_f below which a growth rate does not tell a V_f
 
 
@@ -59,13 +57,11 @@ def identify(
     open_setup: Callable[[Case, float], FlutterSetup], model: LinearModel, say: Callable[[str], None] = lambda text: None
 ) -> Companion | None:
     """The companion of `model`; None, and said why, where the coarse mesh has no steady flow or the FMU fails on it."""
-    aero = model.case.aero
-    around, normal = coarser((aero.cells_around, aero.cells_normal))
-    distance = max(5.0, aero.farfield_chords / COARSER)
-    rough = dataclasses.replace(aero, cells_around=around, cells_normal=normal, farfield_chords=distance)
-    say(f"  error bar: sweeps on {around} x {normal} cells, {model.amplitude_deg:g} and {0.5 * model.amplitude_deg:g} degrees")
+    rough = coarse_case(model.case)
+    cells = f"{rough.aero.cells_around} x {rough.aero.cells_normal} cells"
+    say(f"  error bar: sweeps on {cells}, {model.amplitude_deg:g} and {0.5 * model.amplitude_deg:g} degrees")
     try:
-        with open_setup(dataclasses.replace(model.case, aero=rough), model.mach) as setup:
+        with open_setup(rough, model.mach) as setup:
             coarse, half = (
                 linear_model.identify(setup, amplitude, step=COARSER * linear_model.STEP)
                 for amplitude in (model.amplitude_deg, 0.5 * model.amplitude_deg)

@@ -19,6 +19,7 @@ from ..analysis.damping import Mode
 from ..base.errors import AeroSloshError, ComponentError
 from ..base.wording import plus_minus
 from ..case.case import Case
+from ..flutter import coarse_marches
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
 from ..linear import model as linear_model
@@ -28,7 +29,7 @@ from . import static_strategy
 from .companion import Companion
 from .search import VAGUE, BoundaryPoint, Limits, Marcher, Prediction, State, oscillation_std, outcome_text, sample, search
 from .static_strategy import growing_sample
-from .uncertainty import Spread
+from .uncertainty import FLAT, Spread
 
 SAME_MODE = 0.25  # relative difference of frequency within which two crossings, or a fitted mode and a crossing, are one mode
 HIDES = 0.1  # growth rate from which another pole hides a crossing: a factor 20 in five periods
@@ -99,7 +100,8 @@ class Confirm:
         for i, c in enumerate(point.crossings):
             if c.met:
                 take = sample if c.frequency else growing_sample
-                point.crossings[i] = self._widened(c, point.marches, take, point.checks, mach)
+                c = self._widened(c, point.marches, take, point.checks, mach)
+                point.crossings[i] = self._beside_marches(c, point.marches, take, point.checks)
         if point.checks:
             point.outcome = outcome_text(point.crossings, point.samples, low, high, len(point.marches), point.failure)
         point.wall = clock.perf_counter() - begin
@@ -134,6 +136,23 @@ class Confirm:
         wider = spread.widened(crossing, searched)
         checks += spread.marches
         return wider
+
+    def _beside_marches(
+        self, crossing: Crossing, searched: list[March], take: Callable[[March], Sample], checks: list[March]
+    ) -> Crossing:
+        """`crossing`, found without a linear model, with what coarse marches tell of its error bar; they go to `checks`."""
+        b = self.case.boundary
+        near = [m for m in searched if take(m).known]
+        if not b.companion or b.uncertainty or b.richardson or not near:
+            return crossing
+        nearest = min(near, key=lambda m: abs(m.scales.V_f - crossing.V_f))
+        pole = complex(take(nearest).growth_rate, take(nearest).frequency)
+        told = coarse_marches.change(self.open_setup, self.case, nearest, pole, lambda text: self.say(f"  {text}"))
+        checks += told.marches
+        if abs(crossing.slope) * crossing.V_f <= FLAT:
+            return dataclasses.replace(crossing, missing=crossing.missing + coarse_marches.PARTS)
+        parts = {name: -rate / crossing.slope for name, rate in told.growth_rate.items()}
+        return dataclasses.replace(crossing, parts=crossing.parts | parts, missing=crossing.missing + told.missing)
 
     def _spread(self, mach: float, take: Callable[[March], Sample]) -> Spread:
         return Spread(self.case, mach, self.setup_at(mach), self.open_setup, take, self.say)

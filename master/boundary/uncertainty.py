@@ -18,11 +18,11 @@ from ..analysis.richardson import study
 from ..base.errors import AeroSloshError
 from ..case.case import Case, Flutter
 from ..flutter import march as flutter_march
+from ..flutter.coarse_marches import coarser
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
 
 PARTS = ("step", "amplitude", "mesh")  # of an error bar, made here
-COARSER = 1.5  # the ratio of cell sizes of two meshes
 ORDER = 2.0  # of the scheme in time and space
 FLAT = 1e-6  # a growth rate that changes by less than this (over omega_alpha) while V_f doubles does not tell a V_f
 LEAP = 0.02  # a mesh that moves V_f by more than this (relative) is marched on once more, where it moved it to
@@ -113,8 +113,3 @@ class Spread:
     def _march(self, setup: FlutterSetup, V_f: float) -> Sample:
         self.marches.append(flutter_march.march(setup, V_f))
         return self.take(self.marches[-1])
-
-
-def coarser(cells: tuple[int, int]) -> tuple[int, int]:
-    """Cells around and normal of the next coarser mesh, no fewer than the aero FMU takes."""
-    return max(64, round(cells[0] / COARSER)), max(16, round(cells[1] / COARSER))

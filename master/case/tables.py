@@ -118,6 +118,9 @@ class Flutter:
     initial_alpha_dot: float = key(0.0, "initial pitch rate / omega_alpha (starts without forcing)", "rad", low=-1, high=1)
     max_alpha_deg: float = key(12.0, "the march ends when |alpha| exceeds this", "deg", above=0.0, high=90.0)
     neutral_band: float = key(5e-4, "|growth rate| / omega_alpha below this is called neutral", low=0.0, high=0.1)
+    companion: bool = key(
+        True, "of `point`: two marches on a coarser mesh with longer steps, one with half the amplitude, into the error bars"
+    )
 
 
 @dataclass
@@ -141,7 +144,9 @@ class Boundary:
         above=0.0, high=20.0, choices=["auto"],
     )  # fmt: skip
     companion: bool = key(
-        True, "sweeps on a coarser mesh with longer steps, and with half the amplitude: what these change, into the error bars"
+        True,
+        "sweeps (without a linear model: marches) on a coarser mesh with longer steps, and with half the amplitude: what these "
+        "change, into the error bars",
     )
     uncertainty: bool = key(
         False, "three more marches a crossing: half the step, half the amplitude, coarser mesh, into its error bar"

@@ -13,6 +13,7 @@ from ..base.wording import counted, error_bar, plus_minus
 from ..boundary import modes as boundary_modes
 from ..boundary.search import BoundaryPoint
 from ..case.fuel_tank import LABEL, broken, holds
+from ..flutter.coarse_marches import PARTS, Change
 from ..flutter.march import March
 from . import by_value, trust
 
@@ -22,13 +23,17 @@ def number(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
 
 
-def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
-    """One march. Growth rate and frequency in units of omega_alpha; cost in seconds."""
+def march_data(march: March, steady_cpu: float | None = None, change: Change | None = None) -> dict[str, Any]:
+    """One march. Growth rate and frequency in units of omega_alpha; cost in seconds. `change`: what coarse marches tell of the
+    error bars; without them these are the fit's alone."""
     s, fit, cost = march.scales, march.fit, march.cost
     # a divergence that the steady flow tells and no fit shows yet: the rate of an oscillation beside it would say stable
     read = fit if fit is not None and not (march.verdict is Verdict.DIVERGENCE and fit.frequency) else None
     validity = trust.validity(march)
     stands = holds(validity)
+    change = change or Change()
+    rate_std = math.hypot(read.growth_rate_uncertainty, *change.growth_rate.values()) if read else math.nan
+    frequency_std = math.hypot(read.frequency_uncertainty, *change.frequency.values()) if read else math.nan
     data: dict[str, Any] = {
         "mach": s.mach,
         "V_f": s.V_f,
@@ -40,9 +45,9 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "reason": march.reason if validity is None or stands else f"{broken(validity)}: {march.reason}",
         "remedy": (march.remedy or None) if stands else trust.remedy(march),
         "growth_rate": number(read.growth_rate) if read else None,
-        "growth_rate_uncertainty": number(read.growth_rate_uncertainty) if read else None,
+        "growth_rate_uncertainty": number(rate_std),
         "frequency": number(read.frequency) if read else None,
-        "frequency_uncertainty": number(read.frequency_uncertainty) if read else None,
+        "frequency_uncertainty": number(frequency_std),
         "damping_ratio": number(-read.growth_rate / read.frequency) if read and read.frequency else None,
         "settled": march.settled,
         "free_cycles": max(0, march.tau.size - 1 - march.release) / s.steps_per_cycle,
@@ -52,7 +57,8 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
         "limit_cycle_amplitude_deg": limit_cycle_amplitude_deg(march),
         "fit_residual": number(fit.residual) if fit else None,
         "fit_forecast": number(fit.forecast) if fit else None,
-        "uncertainty_parts": fit.contributions if fit else {},
+        "uncertainty_parts": (fit.contributions if fit else {}) | change.growth_rate,
+        "uncertainty_missing": list(change.missing),
         "omega_alpha": s.omega_alpha,
         "speed": s.speed,
         "by_value": by_value.of_march(s),
@@ -72,6 +78,8 @@ def march_data(march: March, steady_cpu: float | None = None) -> dict[str, Any]:
     }
     if steady_cpu is not None:
         data["cost"]["steady_cpu_seconds"] = steady_cpu
+    if change.marches:
+        data["cost"]["companion_cpu_seconds"] = change.steady_cpu + sum(m.cost.total_cpu for m in change.marches)
     return data
 
 
@@ -187,6 +195,7 @@ def march_summary(data: dict[str, Any]) -> str:
             if data["frequency"]
             else "  frequency    0 (static)"
         )
+    lines += _error_bar(data)
     if data["fit_residual"] is not None:
         forecast = f"{100 * data['fit_forecast']:.2g} %" if data["fit_forecast"] is not None else "none"
         poles = f"{counted(len(data['modes']), 'oscillation')} and {counted(len(data['real_poles']), 'real pole')}"
@@ -209,11 +218,28 @@ def march_summary(data: dict[str, Any]) -> str:
     cost = data["cost"]
     shares = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in cost["cpu_seconds_by_component"].items())
     steady = f", steady start {cost['steady_cpu_seconds']:.1f} s" if "steady_cpu_seconds" in cost else ""
+    if "companion_cpu_seconds" in cost:
+        steady += f", error bar {cost['companion_cpu_seconds']:.1f} s"
     lines.append(
         f"  cost         {cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU for "
         f"{data['steps']} steps ({shares}, master {100 * cost['master_share']:.1f} %{steady})"
     )
     return "\n".join(lines)
+
+
+def _error_bar(data: dict[str, Any]) -> list[str]:
+    """What the growth rate's error bar is made of; nothing where no more was asked for than the fit's."""
+    told = {name: data["uncertainty_parts"][name] for name in PARTS if name in data["uncertainty_parts"]}
+    missing = data["uncertainty_missing"]
+    if data["growth_rate"] is None or not (told or missing):
+        return []
+    fitted = math.hypot(*(value for name, value in data["uncertainty_parts"].items() if name not in PARTS))
+    texts = [f"fit {fitted:.1g}", *(f"{name} {value:+.5f}" for name, value in told.items())]
+    absent = f"; not in it: {', '.join(missing)}" if missing else ""
+    lines = [f"  error bar    {', '.join(texts)}{absent}"]
+    if abs(data["growth_rate"]) <= data["growth_rate_uncertainty"]:
+        lines.append("  note: the growth rate is within its error bar of 0: growth or decay is not certain here")
+    return lines
 
 
 def airfoil_line(summary: str) -> str:

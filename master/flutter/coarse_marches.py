@@ -1,0 +1,104 @@
+"""What mesh, step, outer boundary and amplitude may change in a march's growth rate, by two coarse marches beside it.
+
+Mesh, step and outer boundary are coarsened together by the same factor, so that what they change is one error that falls with
+it; a second coarse march forced by half the amplitude tells what the amplitude changes. Together they cost about 0.6 of the
+march that they stand beside. A two-phase liquid costs as much whatever the air's mesh, and scatters by itself: of it these parts
+are not had.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+from ..base.errors import AeroSloshError
+from ..case.case import Case
+from . import march as flutter_march
+from .march import March
+from .setup import FlutterSetup
+
+PARTS = ("discretisation", "amplitude")
+COARSER = 1.5  # the ratio of cell sizes, steps and distances of the outer boundary
+SHARE = 1.0  # of the difference to the coarse march that the own one is taken to be off: an order of 1.7 (docs/boundary.md)
+SAME_MODE = 0.25  # difference of poles, relative to the frequency, within which two marches tell of one mode
+SLOW = 0.05  # instead of that share of a frequency, over omega_alpha, for a mode that hardly oscillates
+
+
+@dataclasses.dataclass(frozen=True)
+class Change:
+    """Signed changes of growth rate and frequency, over omega_alpha, by part; `missing` are the parts that could not be had."""
+
+    growth_rate: dict[str, float] = dataclasses.field(default_factory=dict)
+    frequency: dict[str, float] = dataclasses.field(default_factory=dict)
+    missing: tuple[str, ...] = ()
+    marches: tuple[March, ...] = ()
+    steady_cpu: float = 0.0  # [s]
+
+
+def coarser(cells: tuple[int, int]) -> tuple[int, int]:
+    """Cells around and normal of the next coarser mesh, no fewer than the aero FMU takes."""
+    return max(64, round(cells[0] / COARSER)), max(16, round(cells[1] / COARSER))
+
+
+def coarse_case(case: Case) -> Case:
+    """`case` on a coarser mesh with a nearer outer boundary; the step is a march's (`coarse_steps`)."""
+    around, normal = coarser((case.aero.cells_around, case.aero.cells_normal))
+    distance = max(5.0, case.aero.farfield_chords / COARSER)
+    aero = dataclasses.replace(case.aero, cells_around=around, cells_normal=normal, farfield_chords=distance)
+    return dataclasses.replace(case, aero=aero)
+
+
+def change(
+    open_setup: Callable[[Case, float], FlutterSetup],
+    case: Case,
+    march: March,
+    pole: complex,
+    say: Callable[[str], None] = lambda text: None,
+) -> Change:
+    """What coarse marches tell of the mode at `pole` (growth rate and frequency over omega_alpha) in `march`, of `case`. A part
+    that cannot be had is missing, and said."""
+    if case.slosh.model == "vof":
+        return Change(missing=PARTS)
+    rough, f, mach, V_f = coarse_case(case), case.flutter, march.scales.mach, march.scales.V_f
+    steps = max(12, round(march.scales.steps_per_cycle / COARSER))
+    amplitude = f.forced_amplitude_deg
+    cells = f"{rough.aero.cells_around} x {rough.aero.cells_normal}"
+    say(f"error bar: marches on {cells} cells, {amplitude:g} and {0.5 * amplitude:g} degrees")
+    marches: list[March] = []
+    steady_cpu = 0.0
+    try:
+        with open_setup(rough, mach) as setup:
+            for share in (1.0, 0.5):
+                flutter = dataclasses.replace(
+                    f,
+                    steps_per_cycle=steps,
+                    forced_amplitude_deg=share * amplitude,
+                    initial_alpha_dot=share * f.initial_alpha_dot,
+                )
+                setup.case = dataclasses.replace(rough, flutter=flutter)
+                marches.append(flutter_march.march(setup, V_f))
+            steady_cpu = setup.steady_cpu
+    except AeroSloshError as error:
+        say(f"error bar: no coarse march: {error.what}")
+        return Change(missing=PARTS, marches=tuple(marches), steady_cpu=steady_cpu)
+    coarse, half = (_nearest(other, pole) for other in marches)
+    parts = {"discretisation": SHARE * (pole - coarse), "amplitude": half - coarse}
+    known = {name: value for name, value in parts.items() if math.isfinite(value.real)}
+    missing = tuple(name for name in PARTS if name not in known)
+    if missing:
+        say(f"error bar: the coarse marches do not show this mode; not in it: {', '.join(missing)}")
+    rates = {name: value.real for name, value in known.items()}
+    frequencies = {name: value.imag for name, value in known.items()} if pole.imag else {}
+    return Change(rates, frequencies, missing, tuple(marches), steady_cpu)
+
+
+def _nearest(march: March, pole: complex) -> complex:
+    """The fitted pole of `march` that is the mode at `pole`; nan where none is near."""
+    if march.failure is not None or march.fit is None:
+        return complex(math.nan, math.nan)
+    modes = march.fit.modes if pole.imag else march.fit.reals
+    poles = [complex(m.growth_rate, m.frequency) for m in modes]
+    near = min(poles, key=lambda p: abs(p - pole), default=complex(math.inf, 0.0))
+    within = max(SAME_MODE * pole.imag, SLOW)
+    return near if abs(near - pole) <= within else complex(math.nan, math.nan)
