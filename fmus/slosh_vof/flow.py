@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..tank.motion import SectionMotion, course
 from . import loads as wall
-from . import step
+from . import probes, side_walls, step
 from .grid import Grid
 from .multigrid import plan
 from .plic import fill_ghosts, reconstruct, surface
@@ -38,7 +38,8 @@ class Fluids:
 class Numerics:
     """cfl: largest Courant number of a step (at most 1/2); tolerance: largest divergence left, times the step; max_step [s].
 
-    wall_slip: no friction on walls; wall_layer: friction of the laminar layer where cells are too thick for it (`wall_layer`).
+    wall_slip: no friction on walls; wall_layer: friction of the laminar layer where cells are too thick for it (`wall_layer`);
+    side_wall_omega [rad/s]: angular frequency of the friction on the front and the back wall (`side_walls`), 0 for none.
     """
 
     cfl: float = 0.5
@@ -47,6 +48,7 @@ class Numerics:
     max_iterations: int = 200
     wall_slip: bool = False
     wall_layer: bool = False
+    side_wall_omega: float = 0.0
 
 
 class Loads(NamedTuple):
@@ -74,15 +76,21 @@ class StepReport(NamedTuple):
 class Flow:
     """Volume fractions, velocities and pressure of a tank that moves with a wing section."""
 
-    def __init__(self, grid: Grid, fluids: Fluids = Fluids(), numerics: Numerics = Numerics()) -> None:
+    def __init__(self, grid: Grid, fluids: Fluids = Fluids(), numerics: Numerics = Numerics(),
+                 sensors: tuple[probes.Probe, ...] = (), window: float = 0.0) -> None:  # fmt: skip
+        """Set up the arrays. sensors: pressure probes, their time mean over `window` [s] (`probes`; its ValueError)."""
         tank = grid.tank
         self.grid, self.fluids, self.numerics = grid, fluids, numerics
-        longest = _longest_step(grid, fluids, numerics)
+        sides = [
+            side_walls.rate(nu, numerics.side_wall_omega, tank.width) for nu in (fluids.liquid_viscosity, fluids.gas_viscosity)
+        ]
+        longest = _longest_step(grid, fluids, numerics, max(sides))
         self.numbers = step.Numbers(
             grid.nx, grid.ny, grid.dx, grid.dy, tank.density, fluids.gas_density, fluids.liquid_viscosity, fluids.gas_viscosity,
             fluids.surface_tension, tank.gravity, numerics.cfl, numerics.tolerance, longest, numerics.max_iterations,
             numerics.wall_slip,
             numerics.wall_layer and not numerics.wall_slip and fluids.liquid_viscosity > 0.0)  # fmt: skip
+        self.sides = side_walls.Sides(tank.density * sides[0], fluids.gas_density * sides[1]) if max(sides) > 0.0 else None
         levels, length = plan(grid.nx, grid.ny, grid.dx, grid.dy)
         self.places = step.Places(grid.x, grid.y, grid.open_x, grid.open_y, levels)
         self.plates = np.array(grid.plates, dtype=np.int64).reshape(-1, 3)
@@ -93,6 +101,7 @@ class Flow:
         self.layers = memory(grid.nx, grid.ny)
         self.notes = np.zeros(step.NOTES)
         self.frame = np.zeros(5)
+        self.watch = probes.watch(grid, sensors, window)
         self.shared = False
 
     def start(self, motion: SectionMotion, wave: float = 0.0) -> StepReport:
@@ -123,12 +132,16 @@ class Flow:
         step.frame_force(course(motion, motion, 1.0), 1.0, n.gravity, self.frame)
         iterations, residual = step.accelerate(
             self.state, work, self.coarse, self.surface, self.layers, self.frame, self.places, n, n.max_step,
-            min(1e-3 * n.tolerance, 1e-9))  # fmt: skip
+            min(1e-3 * n.tolerance, 1e-9), self.sides)  # fmt: skip
         q = self.state[step.Q]
         for row, face, width, ahead in ((step.AX, step.KX, n.dy, 1), (step.AY, step.KY, n.dx, self.grid.stride)):
             self.state[row, :-ahead] -= work[face, :-ahead] * (q[ahead:] - q[:-ahead]) / width
         self.state[step.Q_BEFORE] = self.state[step.Q]
         self.notes[:] = 0.0
+        self.watch.rings[:] = 0.0
+        if self.watch.cells.size:
+            probes.sample(
+                self.watch, self.state, self.surface, work[step.RHO], self.frame, *self.places[:4], n, 0.0)  # fmt: skip
         return StepReport(0, 0.0, iterations, residual <= 1.0, residual)
 
     def advance(self, start: SectionMotion, end: SectionMotion, duration: float) -> StepReport:
@@ -142,7 +155,7 @@ class Flow:
         table = course(start, end, duration)
         outcome = step.advance(
             self.state, self.work, self.coarse, self.surface, self.layers, self.notes, table, duration, self.places,
-            self.numbers)  # fmt: skip
+            self.numbers, self.sides, self.watch if self.watch.cells.size else None)  # fmt: skip
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:
@@ -171,6 +184,10 @@ class Flow:
         wall.wall_loads(
             self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y,
             self.plates, self.numbers, out)  # fmt: skip
+        if self.sides is not None:
+            sides = np.zeros(3)
+            side_walls.side_loads(self.state, self.places, self.numbers, self.sides, sides)
+            out[[wall.FORCE_X, wall.FORCE_Y, wall.MOMENT]] += sides
         return out
 
     @property
@@ -202,6 +219,21 @@ class Flow:
         columns = self.fractions[:, [0, -1]].sum(axis=0) * self.grid.dy - self.grid.tank.depth
         return float(columns[0]), float(columns[1])
 
+    def heights(self, x: Array) -> Array:
+        """Rise of the liquid column at x [m] from the west wall above the still level [m], shape of x.
+
+        Linear between the middles of columns.
+        """
+        columns = self.fractions.sum(axis=0) * self.grid.dy - self.grid.tank.depth
+        return np.asarray(np.interp(x, (np.arange(self.grid.nx) + 0.5) * self.grid.dx, columns))
+
+    def pressures(self) -> list[tuple[float, float, float]]:
+        """Each probe's pressure [Pa] above that of the gas: at its middle, mean over its face, that mean over the window."""
+        rings = self.watch.rings
+        return [
+            (float(row[probes.POINT]), float(row[probes.AREA]), probes.time_mean(self.watch, n)) for n, row in enumerate(rings)
+        ]
+
     def save(self) -> dict[str, Any]:
         """All the next step reads, by reference: the arrays are not modified after."""
         self.shared = True
@@ -212,6 +244,7 @@ class Flow:
             "shear": self.work[step.TAU].copy(),
             "notes": self.notes.copy(),
             "frame": self.frame.copy(),
+            "probes": self.watch.rings.copy(),
         }
 
     def restore(self, snapshot: dict[str, Any]) -> None:
@@ -222,6 +255,7 @@ class Flow:
         self.work[step.TAU] = snapshot["shear"]
         self.notes = snapshot["notes"].copy()
         self.frame = snapshot["frame"].copy()
+        self.watch.rings[:] = snapshot["probes"]
         reconstruct(self.state[step.C], self.numbers.nx, self.numbers.ny, self.surface)
 
 
@@ -234,13 +268,15 @@ _WORDS = {
 }
 
 
-def _longest_step(grid: Grid, fluids: Fluids, numerics: Numerics) -> float:
-    """Limit of explicit viscosity, capillary waves and gravity waves on the grid [s]."""
+def _longest_step(grid: Grid, fluids: Fluids, numerics: Numerics, sides: float) -> float:
+    """Limit of explicit viscosity, friction of side walls [1/s], capillary waves and gravity waves on the grid [s]."""
     cell = min(grid.dx, grid.dy)
     limits = [numerics.max_step, 0.5 * (cell / grid.tank.gravity) ** 0.5]
     viscosity = max(fluids.liquid_viscosity, fluids.gas_viscosity)
     if viscosity > 0.0:
         limits.append(0.2 * cell**2 / viscosity)
+    if sides > 0.0:
+        limits.append(0.2 / sides)
     if fluids.surface_tension > 0.0:
         # Brackbill, Kothe and Zemach, J. Comput. Phys. 100 (1992) 335
         limits.append(0.5 * ((grid.tank.density + fluids.gas_density) * cell**3 / (4 * np.pi * fluids.surface_tension)) ** 0.5)

@@ -22,7 +22,7 @@ from ..tank import plausible
 from ..tank.frozen import Load, constants, residual_load
 from ..tank.liquid import Tank, TankError
 from ..tank.motion import SectionMotion
-from . import vtk
+from . import instruments, vtk
 from .flow import Flow, FlowError, Fluids, Numerics, StepReport
 from .grid import Baffles, Grid, GridError
 
@@ -65,6 +65,7 @@ class SloshVof(Slave):
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),
         parameter("baffle_top", Baffles.top, "1", "Their tip over the tank's height", min=0.0, max=1.0),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
+        *instruments.parameters(),
         prediction("motion"),
         *motion_inputs(LIMITS),
         *surge_inputs(LIMITS),
@@ -80,6 +81,7 @@ class SloshVof(Slave):
                quantity="Length", depends=SURFACE),
         output("wave_height_east", "m", "Liquid column at the east (aft) wall above the still level, tank axes",
                quantity="Length", depends=SURFACE),
+ *instruments.outputs(SOLVED, SURFACE),
         output("time_step", "s", "Last internal step (0 at the start)", quantity="Time"),
         output("steps", "", "Internal steps of the last communication step", type=int),
         output("iterations", "", "Iterations of the pressure in them", type=int, depends=SOLVED),
@@ -103,9 +105,10 @@ class SloshVof(Slave):
             grid = Grid(self.tank, self.cells_x, self.cells_y, baffles)
             fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
             numerics = Numerics(self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer)
-            self.flow = Flow(grid, fluids, numerics)
+            self.flow = Flow(grid, fluids, numerics, instruments.probes(self.__dict__), self.probe_window)
         except (TankError, GridError, FlowError) as error:
             raise StepError(str(error)) from error
+        self.instrumented = self.probe_count + self.gauge_count > 0
         weight = self.gas_density * (self.tank_height - self.tank.depth) * self.tank_length * self.tank_width * self.gravity
         self.gas = Load(0.0, -weight, weight * self.tank_x)  # at rest
 
@@ -156,6 +159,7 @@ class SloshVof(Slave):
         self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, self.motion)
         self.liquid_volume = flow.volume
         self.wave_height_west, self.wave_height_east = flow.wave_heights
+        self.__dict__.update(instruments.readings(self.__dict__, flow) if self.instrumented else instruments.UNUSED)
         self.time_step, self.steps, self.iterations = report.step_size, report.steps, report.iterations
         self.residual, self.converged = report.residual, bool(report.converged)
 

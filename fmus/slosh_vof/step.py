@@ -23,6 +23,8 @@ from .forces import interface_forces
 from .momentum import LIQUID as FULL
 from .momentum import component, mirror, shear, wall_ghosts
 from .pressure import solve
+from .probes import sample
+from .side_walls import hold_back
 from .wall_layer import wall_shear
 
 C, U, V, AX, AY, Q, Q_BEFORE = range(7)
@@ -180,10 +182,12 @@ def _extrapolate(q: Any, before: Any, ratio: float, n: int) -> None:
 
 @jit
 def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, frame: Any, places: Any, p: Any,
-               dt: float, tolerance: float) -> tuple[int, float]:  # fmt: skip
+               dt: float, tolerance: float, sides: Any) -> tuple[int, float]:  # fmt: skip
     """Acceleration and pressure at the time of the volume fractions in `state`.
 
-    Needs half-step velocities and their mass fluxes over dt in `work`. Returns iterations and the residual over its limit.
+    Needs half-step velocities and their mass fluxes over dt in `work`. sides: friction of the side walls (`side_walls.Sides`), or
+    None: numba then compiles a kernel without it, whose results are to the bit those it had before. Returns iterations and the
+    residual over its limit.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -205,6 +209,9 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
     force = (frame[1] + 0.5 * dy * frame[3], frame[2], frame[3], 2.0 * frame[4])
     component(ay, v, u, places.open_y, old, rho, work[MASS_Y], work[MASS_X], liquid, mu, tau, places.x, places.y, force, dt, dy,
               dx, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1)  # fmt: skip
+    if sides is not None:
+        hold_back(ax, u, places.open_x, state[C], rho, p, sides, first, n, 1)
+        hold_back(ay, v, places.open_y, state[C], rho, p, sides, first, n, s)
     if p.surface_tension > 0.0:
         curvature(state[C], surface, dx, dy, nx, ny)
     interface_forces(ax, ay, state[C], rho, places.open_x, places.open_y, surface, places.x, places.y, frame,
@@ -222,11 +229,12 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
 
 @jit
 def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes: Any, course: Any, duration: float,
-            places: Any, p: Any) -> int:  # fmt: skip
+            places: Any, p: Any, sides: Any, watch: Any) -> int:  # fmt: skip
     """Advance the flow by `duration` [s] in a frame that follows `course`; in place. Returns OK or what went wrong.
 
     notes (7,): last time step, steps, iterations, steps whose pressure did not converge, worst residual over its limit, which
-    sweep comes first, and the largest Courant number per second: read and kept.
+    sweep comes first, and the largest Courant number per second: read and kept. Probes
+    of `watch` are read after every internal step; None for none.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -262,7 +270,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
         frame_force(course, done / duration, p.gravity, frame)
         ratio = dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0
         _extrapolate(state[Q], state[Q_BEFORE], ratio if ratio < FARTHEST else 0.0, state.shape[1])
-        iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance)
+        iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance, sides)
         if not math.isfinite(residual):
             return NOT_FINITE
         fastest = _project(state[AX], state[U], work[U_HALF], state[Q], work[KX], dy, dt, first, n, 1) / dx
@@ -273,5 +281,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
         notes[ITERATIONS] += iterations
         notes[UNCONVERGED] += 1.0 if residual > 1.0 else 0.0
         notes[RESIDUAL] = max(notes[RESIDUAL], residual)
+        if watch is not None:
+            sample(watch, state, surface, work[RHO], frame, places.x, places.y, places.open_x, places.open_y, p, dt)
         if parts == 1:
             return OK

@@ -47,6 +47,13 @@ POINTS: dict[str, list[dict[str, Any]]] = {
         {"tank_width": 1.1, "tank_x": 0.1, "tank_y": 0.05, "initial_wave": 0.0, "gas_density": 2.0, "baffle_count": 2,
          "baffle_bottom": 0.0, "baffle_top": top}
         for top in (0.4, 0.8)
+    ]
+    + [
+        {"tank_width": 1.1, "tank_x": 0.1, "tank_y": 0.05, "gas_density": 2.0, "probe_count": count, "gauge_count": min(count, 4),
+         "baffle_count": 2, "baffle_bottom": 0.0, "baffle_top": top, "initial_wave": wave}
+        | {f"probe{n}_{axis}": size * n for n in range(1, 7) for axis, size in (("x", 0.07), ("y", 0.02), ("extent", 0.005))}
+        | {f"gauge{n}_x": 0.11 * n for n in range(1, 5)}
+        for count, top, wave in ((6, 0.4, 0.01), (6, 0.8, 0.0), (4, 0.4, 0.0), (3, 0.4, 0.0), (2, 0.4, 0.0), (1, 0.4, 0.0))
     ],
 }  # fmt: skip
 TEXTS = {"airfoil": ["NACA 0012"], "network": ["ems", "bilinear"]}

@@ -14,6 +14,7 @@ from fmpy.validation import validate_fmu
 
 from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
 from aeroslosh.fmus.slosh_vof.grid import Grid
+from aeroslosh.fmus.slosh_vof.probes import Probe
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import modes
 from aeroslosh.fmus.tank.motion import SectionMotion
@@ -43,10 +44,14 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
              "force_y_tank": "N/m", "force_west": "N/m", "force_east": "N/m", "liquid_volume": "m3", "wave_height_west": "m",
              "wave_height_east": "m", "time_step": "s", "steps": "Integer", "iterations": "Integer", "residual": "1",
              "converged": "Boolean", "failed": "Boolean", "error": "String"}  # fmt: skip
+    loads |= {f"probe{n}_{name}": "Pa" for n in range(1, 7) for name in ("pressure", "pressure_area", "pressure_mean")}
+    loads |= {f"gauge{n}_height": "m" for n in range(1, 5)}
     wanted = {"tank_length", "tank_height", "tank_width", "fill_level", "tank_x", "tank_y", "liquid_density", "gas_density",
               "liquid_viscosity", "gas_viscosity", "gravity", "cells_x", "cells_y", "cfl", "tolerance", "max_step",
               "wall_slip", "wall_layer", "motion_prediction", "surface_tension",
-              "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder"}  # fmt: skip
+              "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder", "probe_count",
+              "probe_window", "gauge_count"}  # fmt: skip
+    wanted |= {f"probe{n}_{name}" for n in range(1, 7) for name in ("x", "y", "extent")} | {f"gauge{n}_x" for n in range(1, 5)}
     assert kinds["input"] == motion
     assert kinds["output"] == loads
     assert set(kinds["parameter"]) == wanted
@@ -165,6 +170,29 @@ def test_communication_steps_do_not_matter(fmu: Fmu, host: Host) -> None:
         )
 
 
+def test_instruments_read_what_the_python_interface_reads(fmu: Fmu, host: Host) -> None:
+    """Probes and gauges in use; those out of use read nothing, wherever they are."""
+    values = {**BOX, "probe_count": 2, "probe1_y": 0.05, "probe1_extent": 0.02, "probe2_x": 0.2, "probe2_y": 0.01,
+              "probe3_x": 0.9, "probe_window": 0.05, "gauge_count": 1, "gauge1_x": 0.05, "gauge2_x": 9.0}  # fmt: skip
+    kinds = ("pressure", "pressure_area", "pressure_mean")
+    names = [f"probe{n}_{kind}" for n in (1, 2) for kind in kinds]
+    unused = [f"probe{n}_{kind}" for n in (3, 6) for kind in kinds] + ["gauge2_height", "gauge4_height"]
+    run = np.array(host("vof_steps", str(fmu("slosh_vof")), values, PITCH, [[0.01, 20]], [*names, "gauge1_height", *unused])[0])
+    flow = Flow(Grid(Tank(0.5, 0.15), 32, 16), sensors=(Probe(0.0, 0.05, 0.02), Probe(0.2, 0.01)), window=0.05)
+    size, omega, _ = PITCH["alpha"]
+    t = 0.01 * np.arange(21)
+    alpha = np.array([size * np.sin(omega * t), size * omega * np.cos(omega * t), -size * omega**2 * np.sin(omega * t)]).T
+    steps = [SectionMotion(0.0, 0.0, 0.0, *row) for row in alpha.tolist()]
+    flow.start(steps[0])
+    rows = [[*np.ravel(flow.pressures()), *flow.heights(np.array([0.05]))]]
+    for k in range(20):
+        flow.advance(steps[k], steps[k + 1], 0.01)
+        rows.append([*np.ravel(flow.pressures()), *flow.heights(np.array([0.05]))])
+    np.testing.assert_allclose(run[:, :7], rows, rtol=1e-6, atol=1e-6)
+    assert np.ptp(run[:, 0]) > 5.0
+    assert not run[:, 7:].any()
+
+
 def test_simulate_fmu_gives_the_numbers_of_the_python_interface(fmu: Fmu, host: Host) -> None:
     """FMPy applies a table's row at the start of the step that leaves it: the motion arrives one step late, here too."""
     names = ["h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot", "x", "x_dot", "x_ddot"]
@@ -231,6 +259,10 @@ def test_bad_parameters_are_clear_errors(fmu: Fmu, host: Host) -> None:
         ({"baffle_count": 10}, ["10 baffles in 32 cells", "at least 44"]),
         ({"baffle_count": 1, "baffle_top": 0.0}, ["baffles from 0 to 0", "Remedy"]),
         ({"baffle_count": 1, "baffle_top": 1.0}, ["from floor to roof", "Remedy"]),
+        ({"probe_count": 7}, ["'probe_count' = 7", "at most 6"]),
+        ({"probe_count": 2, "probe2_x": 0.6}, ["probe2_x = 0.6 m lies outside", "from 0 to 0.5 m"]),
+        ({"probe_count": 1, "probe1_y": 0.2}, ["probe1_y = 0.2 m lies outside", "Remedy"]),
+        ({"gauge_count": 1, "gauge1_x": 0.51}, ["gauge1_x = 0.51 m lies outside", "Remedy"]),
         ({"write_fields": True}, ["field_folder is empty", "Remedy"]),
     ]
     seen = host("vof_bad_starts", str(fmu("slosh_vof")), [values for values, _ in cases])
