@@ -59,6 +59,8 @@ class SloshVof(Slave):
         parameter("max_step", Numerics.max_step, "s", "Longest internal step", min=1e-7, max=1.0),
         parameter("wall_slip", False, "", "Walls without friction; baffles have none in either case"),
         parameter("wall_layer", False, "", "Friction of the laminar layer where cells are too thick to hold it"),
+        parameter("side_wall_omega", 0.0, "rad/s", "Angular frequency of the laminar friction on front and back wall, tank_width "
+                  "apart; 0 = no friction there", min=0.0, max=1e4, quantity="AngularVelocity"),
         parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3, quantity="SurfaceTension"),
         parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
         parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
@@ -104,7 +106,10 @@ class SloshVof(Slave):
             baffles = Baffles(self.baffle_count, self.baffle_bottom, self.baffle_top)
             grid = Grid(self.tank, self.cells_x, self.cells_y, baffles)
             fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
-            numerics = Numerics(self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer)
+            numerics = Numerics(
+                self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer,
+                side_wall_omega=self.side_wall_omega,
+            )  # fmt: skip
             self.flow = Flow(grid, fluids, numerics, instruments.probes(self.__dict__), self.probe_window)
         except (TankError, GridError, FlowError) as error:
             raise StepError(str(error)) from error
