@@ -25,6 +25,7 @@ from ..tank.motion import SectionMotion
 from . import instruments, vtk
 from .flow import Flow, FlowError, Fluids, Numerics, StepReport
 from .grid import Baffles, Grid, GridError
+from .shape import Shape, ShapeError, fractions
 
 INPUTS = (*MOTION, *SURGE)
 LIMITS = {"h": 1e9, "h_dot": 1e6, "h_ddot": 1e5, "alpha": 1e6, "alpha_dot": 1e3, "alpha_ddot": 1e6,
@@ -33,10 +34,11 @@ LIMITS = {"h": 1e9, "h_dot": 1e6, "h_ddot": 1e5, "alpha": 1e6, "alpha_dot": 1e3,
 
 
 GRID = ("cells_x", "cells_y", "baffle_count", "baffle_bottom", "baffle_top")
+SHAPE = ("initial_wave", "initial_spectrum", "initial_seed", "initial_column", "initial_file")
 SOLVED = (*ACCELERATED, "tank_length", "tank_height", "fill_level", *PLACE, "liquid_density", "gas_density", "gravity",
-          "surface_tension", "initial_wave", *GRID, "max_step", "tolerance")  # fmt: skip
+          "surface_tension", *SHAPE, *GRID, "max_step", "tolerance")  # fmt: skip
 """What the pressure at the start is made of."""
-SURFACE = ("alpha", "initial_wave", "cells_x", "tank_length")
+SURFACE = ("alpha", *SHAPE, "cells_x", "tank_length", "tank_height", "fill_level")
 """What the surface at the walls is made of at the start."""
 
 
@@ -63,6 +65,11 @@ class SloshVof(Slave):
                   "apart; 0 = no friction there", min=0.0, max=1e4, quantity="AngularVelocity"),
         parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3, quantity="SurfaceTension"),
         parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
+        parameter("initial_column", 0.0, "m", "Width of a column at the west (fore) wall that holds all liquid; 0 = none",
+                  min=0.0, quantity="Length"),
+        parameter("initial_spectrum", 0.0, "m", "Largest rise of random standing waves at the start", min=0.0, quantity="Length"),
+        parameter("initial_seed", 0, "", "Seed of these waves", min=0, max=2**31 - 1),
+        parameter("initial_file", "", "", "CSV file of the surface: x from the west wall, height above the floor [m]"),
         parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),
         parameter("baffle_top", Baffles.top, "1", "Their tip over the tank's height", min=0.0, max=1.0),
@@ -84,6 +91,8 @@ class SloshVof(Slave):
         output("wave_height_east", "m", "Liquid column at the east (aft) wall above the still level, tank axes",
                quantity="Length", depends=SURFACE),
  *instruments.outputs(SOLVED, SURFACE),
+        output("work", "J/m", "Work of liquid and gas on the tank since the start; negative: taken out of its motion",
+               quantity="EnergyPerLength"),
         output("time_step", "s", "Last internal step (0 at the start)", quantity="Time"),
         output("steps", "", "Internal steps of the last communication step", type=int),
         output("iterations", "", "Iterations of the pressure in them", type=int, depends=SOLVED),
@@ -118,19 +127,19 @@ class SloshVof(Slave):
         self.gas = Load(0.0, -weight, weight * self.tank_x)  # at rest
 
     def initialize(self) -> None:
-        """Level surface at the initial tilt, or a wave, at rest in the tank; accelerations act at once."""
-        still = self.tank.depth
-        if abs(self.initial_wave) > min(still, self.tank_height - still):
-            raise StepError(
-                f"initial_wave = {self.initial_wave} m leaves the tank of height {self.tank_height} m filled to {still:.6g} m. "
-                "Remedy: give an amplitude that touches neither floor nor roof"
-            )
+        """Level surface at the initial tilt, or the shape asked for, at rest in the tank; accelerations act at once."""
         self.motion, self.count = self._motion(), 0
         rest = constants(self.tank)
         rest["static_force_y"] += self.gas.force_y
         rest["static_moment"] += self.gas.moment
         self.__dict__.update(rest)
-        self._publish(self.flow.start(self.motion, self.initial_wave))
+        shape = Shape(self.initial_wave, self.initial_spectrum, self.initial_seed, self.initial_column, self.initial_file)
+        try:
+            level = fractions(shape, self.flow.grid, self.motion.alpha)
+        except ShapeError as error:
+            raise StepError(str(error)) from error
+        self._publish(self.flow.start_from(level, self.motion))
+        self.work, self.power = 0.0, self._power()
         self._write(self.time)
 
     def step(self, time: float, step_size: float) -> None:
@@ -142,16 +151,24 @@ class SloshVof(Slave):
             raise StepError(str(error)) from error
         self.motion, self.count = end, self.count + 1
         self._publish(report)
+        before, self.power = self.power, self._power()
+        self.work += 0.5 * step_size * (before + self.power)
         self._write(time + step_size)
 
     def save(self) -> dict[str, Any]:
         """Flow, motion at its time and the number of communication steps."""
-        return {"flow": self.flow.save(), "motion": list(self.motion), "count": self.count}
+        return {"flow": self.flow.save(), "motion": list(self.motion), "count": self.count, "power": self.power}
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take them back."""
         self.flow.restore(snapshot["flow"])
         self.motion, self.count = SectionMotion(*snapshot["motion"]), snapshot["count"]
+        self.power = snapshot["power"]
+
+    def _power(self) -> float:
+        """Of the loads on the tank in its motion [W/m]."""
+        m = self.motion
+        return float(self.force_x * m.x_dot - self.force_y * m.h_dot + self.moment * m.alpha_dot)
 
     def _motion(self) -> SectionMotion:
         return SectionMotion(*(getattr(self, name) for name in INPUTS))

@@ -26,6 +26,7 @@ LABEL = {"none": "dry", "frozen": "frozen liquid", "ems": "linear slosh (EMS)", 
 LOADS = {"frozen": ("force_y_residual", "moment_residual"), "none": ("force_y", "moment")}  # split → outputs that are wired
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
 CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
+SHAPES = ("initial_wave", "initial_spectrum", "initial_column", "initial_file")  # parameters that raise the surface at the start
 EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold
 CASE_ONLY = ("model", "predictor", "split", fmu_parameters.KEY)  # keys of the table [slosh] that are no parameters of an FMU
 
@@ -112,7 +113,9 @@ class Tank:
         self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
         force, moment = LOADS[split]
         self.rest = (component.get(force), component.get(moment))
-        if self._parameters.get("initial_wave"):  # the surface is not level at the start: what is trimmed out is the level one
+        if any(
+            self._parameters.get(name) for name in SHAPES
+        ):  # the surface is not level at the start: what is trimmed out is the level one
             names = ("static_force_y", "static_moment")
             self.rest = (0.0, 0.0) if split == "frozen" else (component.get(names[0]), component.get(names[1]))
         tells = settings.model != "frozen" and "validity" in component.output_index

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
+from pathlib import Path
 from typing import Any
 
 from cases_values import bounds, start_of
@@ -18,6 +20,23 @@ from raw import OK, Raw, kind
 
 FILES = ("field_folder", "section_file", "write_fields")
 ROUNDING = 1e-11
+
+
+def _surfaces() -> list[str]:
+    """Two files of a surface, half a tank of the preset each."""
+    folder = Path(tempfile.mkdtemp(prefix="surfaces_"))
+    for number, rise in enumerate((0.01, 0.02)):
+        (folder / f"{number}.csv").write_text(f"0,{0.075 + rise}\n0.5,{0.075 - rise}\n", encoding="utf-8")
+    return [str(folder / f"{number}.csv") for number in range(2)]
+
+
+SURFACES = _surfaces()
+INSTRUMENTS: dict[str, Any] = {
+    "probe_count": 6,
+    "gauge_count": 4,
+    **{f"probe{n}_{axis}": size * n for n in range(1, 7) for axis, size in (("x", 0.07), ("y", 0.02), ("extent", 0.005))},
+    **{f"gauge{n}_x": 0.11 * n for n in range(1, 5)},
+}
 # points to start from, beside the cheap parameters: no known may hide behind a zero or an option
 POINTS: dict[str, list[dict[str, Any]]] = {
     "structure": [
@@ -49,14 +68,17 @@ POINTS: dict[str, list[dict[str, Any]]] = {
         for top in (0.4, 0.8)
     ]
     + [
-        {"tank_width": 1.1, "tank_x": 0.1, "tank_y": 0.05, "gas_density": 2.0, "probe_count": count, "gauge_count": min(count, 4),
-         "baffle_count": 2, "baffle_bottom": 0.0, "baffle_top": top, "initial_wave": wave}
-        | {f"probe{n}_{axis}": size * n for n in range(1, 7) for axis, size in (("x", 0.07), ("y", 0.02), ("extent", 0.005))}
-        | {f"gauge{n}_x": 0.11 * n for n in range(1, 5)}
+        {"tank_width": 1.1, "tank_x": 0.1, "tank_y": 0.05, "gas_density": 2.0, "initial_wave": 0.0, **INSTRUMENTS, **shape}
+        for shape in [{"initial_column": width} for width in (0.31, 0.49)]
+        + [{"initial_spectrum": 0.01}, {"initial_file": SURFACES[0]}]
+    ]
+    + [
+        {"tank_width": 1.1, "tank_x": 0.1, "tank_y": 0.05, "gas_density": 2.0, "baffle_count": 2, "baffle_bottom": 0.0,
+         "baffle_top": top, "initial_wave": wave, **INSTRUMENTS, "probe_count": count, "gauge_count": min(count, 4)}
         for count, top, wave in ((6, 0.4, 0.01), (6, 0.8, 0.0), (4, 0.4, 0.0), (3, 0.4, 0.0), (2, 0.4, 0.0), (1, 0.4, 0.0))
     ],
 }  # fmt: skip
-TEXTS = {"airfoil": ["NACA 0012"], "network": ["ems", "bilinear"]}
+TEXTS = {"airfoil": ["NACA 0012"], "network": ["ems", "bilinear"], "initial_file": SURFACES}
 
 
 def others(name: str, variable: Any, value: Any) -> list[Any]:

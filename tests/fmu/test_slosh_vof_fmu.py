@@ -42,15 +42,16 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
              "moment_residual": "N", "static_force_y": "N/m", "static_moment": "N", "liquid_mass": "kg/m",
              "liquid_static_moment": "kg", "liquid_inertia": "kg.m", "liquid_stiffness": "N/rad", "force_x_tank": "N/m",
              "force_y_tank": "N/m", "force_west": "N/m", "force_east": "N/m", "liquid_volume": "m3", "wave_height_west": "m",
-             "wave_height_east": "m", "time_step": "s", "steps": "Integer", "iterations": "Integer", "residual": "1",
-             "converged": "Boolean", "failed": "Boolean", "error": "String"}  # fmt: skip
+             "wave_height_east": "m", "work": "J/m", "time_step": "s", "steps": "Integer", "iterations": "Integer",
+             "residual": "1", "converged": "Boolean", "failed": "Boolean", "error": "String"}  # fmt: skip
     loads |= {f"probe{n}_{name}": "Pa" for n in range(1, 7) for name in ("pressure", "pressure_area", "pressure_mean")}
     loads |= {f"gauge{n}_height": "m" for n in range(1, 5)}
     wanted = {"tank_length", "tank_height", "tank_width", "fill_level", "tank_x", "tank_y", "liquid_density", "gas_density",
               "liquid_viscosity", "gas_viscosity", "gravity", "cells_x", "cells_y", "cfl", "tolerance", "max_step",
               "wall_slip", "wall_layer", "motion_prediction", "surface_tension",
               "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder", "probe_count",
-              "probe_window", "gauge_count", "side_wall_omega"}  # fmt: skip
+              "probe_window", "gauge_count", "side_wall_omega",
+              "initial_column", "initial_spectrum", "initial_seed", "initial_file"}  # fmt: skip
     wanted |= {f"probe{n}_{name}" for n in range(1, 7) for name in ("x", "y", "extent")} | {f"gauge{n}_x" for n in range(1, 5)}
     assert kinds["input"] == motion
     assert kinds["output"] == loads
@@ -193,6 +194,18 @@ def test_instruments_read_what_the_python_interface_reads(fmu: Fmu, host: Host) 
     assert not run[:, 7:].any()
 
 
+def test_work_is_the_integral_of_load_times_velocity(fmu: Fmu, host: Host) -> None:
+    """By trapezia between communication steps; plunge is positive down, the force positive up."""
+    waves = {"h": [2e-3, 31.0, 0.2], "alpha": [0.05, 6.0, 0.4], "x": [1e-3, 7.0, 1.0]}
+    run = np.array(host("vof_steps", str(fmu("slosh_vof")), {**BOX, "tank_x": 0.4}, waves, [[5e-3, 60]], [*LOADS, "work"])[0])
+    t = 5e-3 * np.arange(61)
+    h, alpha, x = (waves[n][0] * waves[n][1] * np.cos(waves[n][1] * t + waves[n][2]) for n in ("h", "alpha", "x"))
+    power = run[:, 0] * x - run[:, 1] * h + run[:, 2] * alpha
+    work = np.concatenate([[0.0], np.cumsum(0.5 * 5e-3 * (power[1:] + power[:-1]))])
+    np.testing.assert_allclose(run[:, 3], work, rtol=0.0, atol=1e-12 * np.abs(work).max())
+    assert np.abs(work).max() > 1.0
+
+
 def test_simulate_fmu_gives_the_numbers_of_the_python_interface(fmu: Fmu, host: Host) -> None:
     """FMPy applies a table's row at the start of the step that leaves it: the motion arrives one step late, here too."""
     names = ["h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot", "x", "x_dot", "x_ddot"]
@@ -256,6 +269,9 @@ def test_bad_parameters_are_clear_errors(fmu: Fmu, host: Host) -> None:
         ({"liquid_density": math.nan}, ["'liquid_density' = nan"]),
         ({"cfl": 0.9}, ["'cfl' = 0.9", "at most 0.5"]),
         ({"initial_wave": 0.1}, ["initial_wave = 0.1 m leaves the tank", "Remedy"]),
+        ({"initial_column": 0.1}, ["initial_column = 0.1 m", "Remedy: from 0.25 to 0.5 m"]),
+        ({"initial_column": 0.3, "initial_spectrum": 0.01}, ["more than one shape"]),
+        ({"initial_file": "nowhere.csv"}, ["nowhere.csv cannot be read", "Remedy"]),
         ({"baffle_count": 10}, ["10 baffles in 32 cells", "at least 44"]),
         ({"baffle_count": 1, "baffle_top": 0.0}, ["baffles from 0 to 0", "Remedy"]),
         ({"baffle_count": 1, "baffle_top": 1.0}, ["from floor to roof", "Remedy"]),

@@ -66,12 +66,13 @@ def test_baffles_reach_the_tank(tmp_path: Path, fmus: dict[str, Path]) -> None:
         tank.close()
 
 
-def test_a_wave_at_the_start_is_not_trimmed_out(tmp_path: Path, fmus: dict[str, Path]) -> None:
+@pytest.mark.parametrize("shape", ["initial_wave=0.01", "initial_column=0.3"])
+def test_a_wave_at_the_start_is_not_trimmed_out(tmp_path: Path, fmus: dict[str, Path], shape: str) -> None:
     """The trim is that of the level surface, whichever loads are wired."""
     for split in ("frozen", "none"):
         rest = []
-        for wave in (0.0, 0.01):
-            case = loaded(tmp_path, HEAD, f"slosh.split={split}", f"slosh.parameters.initial_wave={wave}", "slosh.tank_x=0.3")
+        for start in ("initial_wave=0.0", shape):
+            case = loaded(tmp_path, HEAD, f"slosh.split={split}", f"slosh.parameters.{start}", "slosh.tank_x=0.3")
             tank = fuel_tank.Tank(case.slosh, fmus)
             assert tank.moving is not None
             starts = tank.moving.get("moment")

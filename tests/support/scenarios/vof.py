@@ -14,7 +14,7 @@ from .slosh import SLOSH_LOADS, slosh_motion, slosh_step
 
 BOX = {"cells_x": 32, "cells_y": 16}
 VOF_OUTPUTS = (*SLOSH_LOADS, "force_x_tank", "force_y_tank", "force_west", "force_east", "liquid_volume", "wave_height_west",
-               "wave_height_east", "time_step", "residual")  # fmt: skip
+               "wave_height_east", "work", "time_step", "residual")  # fmt: skip
 VOF_WAVES = {"h": [2e-3, 31.0, 0.2], "alpha": [0.06, 6.0, 0.0], "x": [1e-3, 7.0, 1.0]}
 
 
