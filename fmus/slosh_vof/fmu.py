@@ -68,7 +68,7 @@ class SloshVof(Slave):
         parameter("initial_column", 0.0, "m", "Width of a column at the west (fore) wall that holds all liquid; 0 = none",
                   min=0.0, quantity="Length"),
         parameter("initial_spectrum", 0.0, "m", "Largest rise of random standing waves at the start", min=0.0, quantity="Length"),
-        parameter("initial_seed", 0, "", "Seed of these waves", min=0, max=2**31 - 1),
+        parameter("initial_seed", 0, "", "Seed of these waves", min=0, max=1_000_000_000),
         parameter("initial_file", "", "", "CSV file of the surface: x from the west wall, height above the floor [m]"),
         parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),
@@ -133,6 +133,7 @@ class SloshVof(Slave):
         rest["static_force_y"] += self.gas.force_y
         rest["static_moment"] += self.gas.moment
         self.__dict__.update(rest)
+        self.__dict__.update(instruments.UNUSED)
         shape = Shape(self.initial_wave, self.initial_spectrum, self.initial_seed, self.initial_column, self.initial_file)
         try:
             level = fractions(shape, self.flow.grid, self.motion.alpha)
@@ -181,7 +182,8 @@ class SloshVof(Slave):
         self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, self.motion)
         self.liquid_volume = flow.volume
         self.wave_height_west, self.wave_height_east = flow.wave_heights
-        self.__dict__.update(instruments.readings(self.__dict__, flow) if self.instrumented else instruments.UNUSED)
+        if self.instrumented:
+            self.__dict__.update(instruments.readings(self.__dict__, flow))
         self.time_step, self.steps, self.iterations = report.step_size, report.steps, report.iterations
         self.residual, self.converged = report.residual, bool(report.converged)
 
