@@ -15,7 +15,7 @@ from ..base import notices, pvd
 from ..case import airfoils, checks, fmu_parameters, fuel_tank, plausible
 from ..case import case as cases
 from ..cosim.checkpoint import Checkpoint, Keeper
-from ..flutter import coarse_marches
+from ..flutter import coarse_marches, ensemble
 from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup, find_fmus
@@ -26,6 +26,7 @@ from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from . import datasets, plots
 from .case import Case
+from .members import Members
 from .progress import Callback, Reporter, interruptible, reporter
 
 if TYPE_CHECKING:
@@ -179,13 +180,16 @@ def compute(
             folder.log(text)
         report.say(text)
 
-    with FlutterSetup(case, fmus, mach, place, say, section) as setup:
+    with Members(case, fmus, say) as members, FlutterSetup(case, fmus, mach, place, say, section) as setup:
         if folder is not None:
             for loop in setup.system.loops:
                 folder.log(f"algebraic loop, closed by the coupling scheme {case.coupling.scheme}: {' '.join(loop)}")
         say(f"march at Mach {mach:g}, V_f {V_f:g}")
         report.start(f"M {mach:g} V_f {V_f:.4g}")
         march = flutter_march.march(setup, V_f, place, report.watch, keeper, start)
+        if len(ensemble.seeds(case)) > 1 and march.failure is None:
+            found = members.gathered(ensemble.of_march(march, case.slosh.seed))
+            march = ensemble.averaged(march, found, case.flutter.neutral_band)
         change = _error_bar(case, fmus, march, say)
         data = summary.march_data(march, setup.steady_cpu, change) | {"airfoil_summary": setup.airfoil_summary or None}
         if folder is not None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..case.case import Case
 from ..cosim.loop import Watcher
-from ..flutter import march as flutter_march
+from ..flutter import ensemble
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
 from . import strategy as boundary_strategy
@@ -43,7 +43,7 @@ def solve(
         on_setup(setup)
 
         def marcher(V_f: float) -> March:
-            march = flutter_march.march(setup, V_f, None, before_march(setup, V_f))
+            march = ensemble.march(setup, V_f, lambda: before_march(setup, V_f))
             on_march(setup, march)
             return march
 

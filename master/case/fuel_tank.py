@@ -27,8 +27,16 @@ LOADS = {"frozen": ("force_y_residual", "moment_residual"), "none": ("force_y", 
 MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
 CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
 SHAPES = ("initial_wave", "initial_spectrum", "initial_column", "initial_file")  # parameters that raise the surface at the start
+PERTURBATION = 1e-5  # [m] largest rise of the waves by which members of an ensemble differ
 EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold
-CASE_ONLY = ("model", "predictor", "split", fmu_parameters.KEY)  # keys of the table [slosh] that are no parameters of an FMU
+CASE_ONLY = (
+    "model",
+    "predictor",
+    "split",
+    "members",
+    "seed",
+    fmu_parameters.KEY,
+)  # keys of the table [slosh] that are no parameters of an FMU
 
 
 def needed(models: Sequence[str]) -> tuple[str, ...]:
@@ -89,6 +97,7 @@ class Tank:
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
         path, self._settings = fmus[FMU[settings.model]], settings
+        self.seed = settings.seed if settings.model == "vof" else 0
         self.moving: Component | None = None
         self.surrogate: Component | None = None
         try:
@@ -113,9 +122,8 @@ class Tank:
         self.carried = {name: component.get(name) for name in CARRIED} if split == "frozen" else {}
         force, moment = LOADS[split]
         self.rest = (component.get(force), component.get(moment))
-        if any(
-            self._parameters.get(name) for name in SHAPES
-        ):  # the surface is not level at the start: what is trimmed out is the level one
+        # where the surface is not level at the start what is trimmed out is the level one
+        if any(self._parameters.get(name) for name in SHAPES):
             names = ("static_force_y", "static_moment")
             self.rest = (0.0, 0.0) if split == "frozen" else (component.get(names[0]), component.get(names[1]))
         tells = settings.model != "frozen" and "validity" in component.output_index
@@ -139,6 +147,12 @@ class Tank:
         level /= (int(baffles.get("baffle_count", 0)) + 1) ** 2 if parted else 1
         return self.liquid.stiffness - level
 
+    def _disturbance(self) -> dict[str, Any]:
+        """Parameters of the waves by which this member of an ensemble differs; the case's own spectrum takes another seed."""
+        if not self.seed:
+            return {}
+        return {"initial_spectrum": self._parameters.get("initial_spectrum") or PERTURBATION, "initial_seed": self.seed}
+
     def close(self) -> None:
         """Free the instances."""
         for component in (self.moving, self.surrogate):
@@ -149,7 +163,7 @@ class Tank:
         """A liquid at rest, to be initialised with the section."""
         if self.moving is not None:
             self.moving.restart()
-            self.moving.set_all(self._parameters)
+            self.moving.set_all(self._parameters | self._disturbance())
         if self.surrogate is not None:
             self.surrogate.restart()
             self.surrogate.set_all(self._surrogate_parameters)

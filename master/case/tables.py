@@ -189,6 +189,11 @@ class Slosh:
     cells_y: int | str = key("auto", "vof: cells over its height", low=16, high=2048, choices=["auto"])
     wall_slip: bool | str = key("auto", "vof: walls without friction", choices=["auto"])
     surface_tension: float | str = key("auto", "vof: surface tension", "N/m", low=0.0, choices=["auto"])
+    members: int = key(
+        1, "vof: marches of each point, from surfaces disturbed by 1e-5 m; growth rate and verdict are those of their mean",
+        low=1, high=1000,
+    )  # fmt: skip
+    seed: int = key(0, "vof: seed of that disturbance, of the first member; 0: a level surface", low=0, high=2**30)
     parameters: dict[str, Any] = field(
         default_factory=dict, metadata=rule("further parameters of the slosh FMU: variable = value", empty=True)
     )

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..analysis.damping import Fit
+from ..analysis.members import Ensemble
 from ..analysis.verdict import Judgement, Verdict
 from ..base.errors import AeroSloshError, ComponentError
 from ..case.scales import Scales
@@ -40,7 +41,8 @@ class March:
     scheme         what the coupling scheme took (`Statistics.data`)
     settled        whether more cycles could not change the verdict; `remedy` says what to do where there is none
     stiffness      pitch stiffness that the steady flow leaves, over the structure's own; nan where not known
-    note           what a user should know of how it was coupled"""
+    note           what a user should know of how it was coupled
+    ensemble       the members of which fit and verdict are the mean, if there are several; the history is the first one's"""
 
     scales: Scales
     history: dict[str, np.ndarray]
@@ -59,6 +61,7 @@ class March:
     remedy: str = ""
     stiffness: float = math.nan
     note: str = ""
+    ensemble: Ensemble | None = None
 
     @property
     def tau(self) -> np.ndarray:

@@ -59,6 +59,7 @@ def march_data(march: March, steady_cpu: float | None = None, change: Change | N
         "fit_forecast": number(fit.forecast) if fit else None,
         "uncertainty_parts": (fit.contributions if fit else {}) | change.growth_rate,
         "uncertainty_missing": list(change.missing),
+        "ensemble": march.ensemble.as_data() if march.ensemble is not None else None,
         "omega_alpha": s.omega_alpha,
         "speed": s.speed,
         "by_value": by_value.of_march(s),
@@ -196,6 +197,11 @@ def march_summary(data: dict[str, Any]) -> str:
             else "  frequency    0 (static)"
         )
     lines += _error_bar(data)
+    if data["ensemble"] is not None and data["ensemble"]["sd"] is not None:
+        e = data["ensemble"]
+        lines.append(
+            f"  members      {len(e['seeds'])} of seeds {e['seeds'][0]} to {e['seeds'][-1]}: one march is ± {e['sd']:.5f}"
+        )
     if data["fit_residual"] is not None:
         forecast = f"{100 * data['fit_forecast']:.2g} %" if data["fit_forecast"] is not None else "none"
         poles = f"{counted(len(data['modes']), 'oscillation')} and {counted(len(data['real_poles']), 'real pole')}"

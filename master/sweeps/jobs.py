@@ -19,6 +19,7 @@ from ..boundary import solve
 from ..case.case import Case
 from ..case.fuel_tank import FMU
 from ..case.scales import scales
+from ..flutter import ensemble
 from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
@@ -112,6 +113,8 @@ class Bench:
             setup = FlutterSetup(job.case, job.fmus, job.case.flow.mach)
         self._setups[key] = setup
         setup.case = job.case
+        if setup.tank is not None:
+            setup.tank.seed = job.case.slosh.seed
         for component in setup.system.components:
             component.messages.clear()
         return setup
@@ -216,7 +219,7 @@ def steps(job: Job) -> int:
 def _point(job: Job, bench: Bench) -> Computed:
     """One march."""
     setup = bench.setup(job)
-    march = flutter_march.march(setup, job.case.flutter.V_f)
+    march = ensemble.march(setup, job.case.flutter.V_f)
     result = summary.march_data(march, setup.steady_cpu) | {"airfoil_summary": setup.airfoil_summary or None}
     failure = march.failure
     cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
