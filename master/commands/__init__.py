@@ -9,6 +9,7 @@ HELP = {
     "drive": "drive one FMU alone with a table of its inputs",
     "animate": "draw the liquid in a tank from the fields that a slosh FMU wrote, as an animation",
     "compare": "tell what differs between two runs: settings, provenance, results, histories, cost",
+    "report": "write a run, a sweep or a system's run as one HTML page that can be sent",
     "export": "write a run's histories or fields, or a coupled system, for other programs",
     "train": "train the surrogate slosh_rbf of one tank on records of slosh_vof, with a report",
     "doctor": "check this installation and each FMU; say how to start another program that runs FMUs",

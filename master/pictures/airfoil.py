@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from .march import BLUE, GREY, RED, STYLE
+from .look import BLUE, GREY, STYLE
+from .look import ORANGE as RED
 
 
 def read(table: Path) -> dict[str, np.ndarray]:

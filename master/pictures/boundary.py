@@ -14,10 +14,11 @@ from ..boundary.search import BoundaryPoint, State
 from ..case.fuel_tank import LABEL, holds
 from ..linear.model import LinearCrossing
 from ..results import trust
-from .march import BLUE, GREEN, GREY, RED, STYLE, plt
+from . import canvas as plt
+from .look import BLUE, GREY, ORANGE, PURPLE, STYLE
 
 NEAR = 0.45  # crossings of neighbouring Mach numbers further apart than this in ln V_f and ln frequency are not joined
-COLORS = {"onset": BLUE, "recovery": GREEN, "divergence": RED, "end of divergence": RED}
+COLORS = {"onset": ORANGE, "recovery": BLUE, "divergence": PURPLE, "end of divergence": PURPLE}  # of what is above
 Found = Crossing | LinearCrossing
 
 
@@ -58,7 +59,7 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
         )
         liquid = f", {LABEL[slosh]}" if slosh != "none" else ""
         frozen = ", frozen liquid" if slosh != "none" else ""  # what the linear model carries, whatever the slosh model
-        for grows, color, label in ((False, GREEN, "march: damped"), (True, RED, "march: growing")):
+        for grows, color, label in ((False, BLUE, "march: damped"), (True, ORANGE, "march: growing")):
             dots = [(p.mach, s.V_f) for p in points for s in p.samples if s.known and (s.growth_rate > 0) is grows]
             if dots:
                 top.plot(*zip(*dots, strict=True), ".", color=color, ms=4, alpha=0.6, label=label, zorder=2)
@@ -86,11 +87,11 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
             if c.source == "march" and not holds(trust.of_crossing(c, p.marches))
         ]  # fmt: skip
         if doubtful:
-            style = {"color": RED, "ms": 11, "mew": 1.6, "zorder": 5}
+            style = {"color": PURPLE, "ms": 11, "mew": 1.6, "zorder": 5}
             top.plot(*zip(*doubtful, strict=True), "x", label="slosh model does not hold: undetermined", **style)
         missed = [(p.mach, q.crossing.V_f) for p in points for q in p.predictions if q.state is State.CONTRADICTED]
         if missed:
-            top.plot(*zip(*missed, strict=True), "x", color=RED, ms=6, label="linear, not confirmed", zorder=3)
+            top.plot(*zip(*missed, strict=True), "x", color=PURPLE, ms=6, label="linear, not confirmed", zorder=3)
         for direction, color in COLORS.items():
             if any(c.name == direction for _, cs in linear for c in cs):
                 top.plot([], [], "-", color=color, lw=0.8, label=f"{direction}{frozen}, linear model")

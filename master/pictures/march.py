@@ -1,35 +1,19 @@
-"""Pictures of a run: histories with the fitted envelope, phase plot, Mach field at four instants."""
+"""Pictures of a march: histories with the fitted envelope, phase plot."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ..base import vtk
 from ..base.wording import plus_minus
 from ..case.fuel_tank import LABEL, holds
 from ..flutter.march import March
 from ..results import trust
 from . import canvas as plt
+from .look import BLUE, GREY, STYLE
+from .look import ORANGE as RED
 
-BLUE, RED, GREY, GREEN = "#1f5fa8", "#c0392b", "#7a7a7a", "#2e8b57"
-STYLE: dict[Any, Any] = {
-    "font.size": 10,
-    "axes.labelsize": 10.5,
-    "axes.titlesize": 11,
-    "legend.fontsize": 9,
-    "figure.dpi": 150,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "lines.linewidth": 1.3,
-    "savefig.bbox": "tight",
-    "legend.frameon": False,
-    "axes.axisbelow": True,
-}
 DEGREES = 180.0 / np.pi
 
 
@@ -126,58 +110,3 @@ def phase(march: March, path: Path) -> None:
             figure.colorbar(points, ax=axes, label="cycles", pad=0.02)
         figure.suptitle(headline(march), fontsize=10.5)
         figure.savefig(path)
-
-
-def mach_field(march: March, path: Path, chord: float, elastic_axis: float) -> None:
-    """Mach number about the airfoil at the recorded instants (four), with the sonic line.
-
-    The files' origin is the elastic axis at rest; x/c of the picture counts from the leading edge at rest."""
-    with plt.rc_context(STYLE | {"axes.grid": False}):
-        n = len(march.fields)
-        figure, axes = plt.subplots(
-            2,
-            (n + 1) // 2,
-            figsize=(9.2, 6.0),
-            squeeze=False,
-            sharex=True,
-            sharey=True,
-            constrained_layout=True,
-        )
-        fields = [vtk.read(file).scaled(chord, elastic_axis) for _, file in march.fields]
-        seen = np.concatenate([f.cells["mach"][_window(f)] for f in fields])
-        # the few cells at the stagnation point would take half the colours
-        low, high = float(np.percentile(seen, 1.0)), float(seen.max())
-        mesh = None
-        for axis, field, (tau, _) in zip(axes.flat, fields, march.fields, strict=False):
-            mach = field.cells["mach"]
-            mesh = axis.pcolormesh(field.x, field.y, mach, cmap="turbo", vmin=low, vmax=high, rasterized=True)
-            x, y = (0.25 * (p[1:, 1:] + p[:-1, 1:] + p[1:, :-1] + p[:-1, :-1]) for p in (field.x, field.y))
-            if low < 1.0 < high:  # closed around the O-mesh by repeating the first column
-                closed = [np.hstack([a, a[:, :1]]) for a in (x, y, mach)]
-                axis.contour(*closed, levels=[1.0], colors="white", linewidths=0.9)
-            axis.fill(field.x[0], field.y[0], color="0.15", zorder=3)
-            i = int(np.argmin(np.abs(march.tau - tau)))
-            axis.set_title(
-                f"cycle {tau / (2 * np.pi):.2f}:  $\\alpha$ = {march.history['alpha'][i] * DEGREES:+.2f}°, "
-                f"$h/b$ = {march.history['h_over_b'][i]:+.4f}",
-                fontsize=9.5,
-            )
-            axis.set_xlim(-0.5, 1.5)
-            axis.set_ylim(-0.75, 0.75)
-            axis.set_aspect("equal")
-        for axis in axes.flat[n:]:
-            axis.set_visible(False)
-        for axis in axes[-1]:
-            axis.set_xlabel("$x/c$")
-        for axis in axes[:, 0]:
-            axis.set_ylabel("$y/c$")
-        if mesh is not None:
-            figure.colorbar(mesh, ax=axes, label="Mach number (white line: sonic)", shrink=0.85, extend="min")
-        figure.suptitle(headline(march), fontsize=10.5)
-        figure.savefig(path)
-
-
-def _window(field: vtk.Field) -> np.ndarray:
-    """Cells inside the picture. Shape: (nj, ni), bool."""
-    x, y = field.x[:-1, :-1], field.y[:-1, :-1]
-    return (x > -0.5) & (x < 1.5) & (np.abs(y) < 0.75)

@@ -10,9 +10,9 @@ from matplotlib.ticker import FormatStrFormatter, NullFormatter
 from ..boundary import modes
 from ..boundary.search import BoundaryPoint
 from . import canvas
-from .march import BLUE, GREEN, GREY, RED, STYLE
+from .look import BLUE, GREY, ORANGE, PURPLE, SKY, STYLE
 
-COLORS = (BLUE, GREEN, RED, "#8c6bb1", "#b8860b")
+COLORS = (BLUE, ORANGE, PURPLE, SKY, "#8A6D00")
 WORST = 0.35  # growth rates drawn
 
 

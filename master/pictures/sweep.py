@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .march import BLUE, GREEN, GREY, RED, STYLE, plt
+from . import canvas as plt
+from . import look
+from .look import GREY, STYLE, VERDICTS
 
 SHOWN = {
     "point": ("growth_rate", "growth_rate_uncertainty", "growth rate $\\sigma/\\omega_\\alpha$"),
     "boundary": ("V_f", "V_f_uncertainty", "neutral $V_f$"),
 }
-COLORS = {"damped": GREEN, "flutter": RED, "divergence": "#8c6bb1", "neutral": BLUE, "limit cycle": BLUE}
+COLORS = VERDICTS
 PANELS = 6
 
 
@@ -57,7 +59,7 @@ def _map(axis: Axes, known: Sequence[dict[str, Any]], names: Sequence[str], valu
         z[y.index(line[names[1]]), x.index(line[names[0]])] = line[value]
     signed = value == "growth_rate"
     most = float(np.nanmax(np.abs(z))) or 1.0
-    colors = {"cmap": "RdYlGn_r", "vmin": -most, "vmax": most} if signed else {"cmap": "viridis"}
+    colors = {"cmap": look.signed_map(), "vmin": -most, "vmax": most} if signed else {"cmap": look.EVEN}
     mesh = axis.pcolormesh(x, y, z, shading="nearest", **colors)
     axis.figure.colorbar(mesh, ax=axis, label=label)
     if signed and min(z.shape) > 1 and np.isfinite(z).all() and z.min() < 0.0 < z.max():
