@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 BLUE, ORANGE, PURPLE, SKY, GREY, INK = "#0072B2", "#D55E00", "#8E4C9E", "#56B4E9", "#6B6B6B", "#1B2733"
-DAMPED, GROWING, STATIC, OTHER = BLUE, ORANGE, PURPLE, GREY
 VERDICTS = {
     "damped": BLUE, "flutter": ORANGE, "divergence": PURPLE, "neutral": INK, "limit cycle": SKY, "undetermined": GREY,
 }  # fmt: skip
-MARKS = {"damped": "o", "flutter": "s", "divergence": "^", "neutral": "D", "limit cycle": "P", "undetermined": "x"}
+MARKS = {"damped": "o", "flutter": "s", "divergence": "^", "neutral": "D", "limit cycle": "P", "undetermined": "v"}
+CROSSINGS = {"onset": ORANGE, "recovery": BLUE, "divergence": PURPLE, "end of divergence": PURPLE}  # of what is above it
+CROSSING_MARKS = {"onset": "o", "recovery": "D", "divergence": "^", "end of divergence": "v"}
 EVEN = "viridis"  # of values without a sign
 STYLE: dict[Any, Any] = {
     "font.size": 10,
@@ -34,7 +35,7 @@ STYLE: dict[Any, Any] = {
 }
 MACH, SPEED_INDEX = "Mach number [–]", "flutter speed index $V_f = U/(b\\,\\omega_\\alpha\\sqrt{\\mu})$ [–]"
 GROWTH, FREQUENCY = "growth rate $\\sigma/\\omega_\\alpha$ [–]", "frequency $\\omega/\\omega_\\alpha$ [–]"
-ENDS = ((30.0, -8.0, -42.0), (97.0, 0.0, 0.0), (30.0, 34.0, 40.0))  # CIE L*a*b* of lowest, zero, highest value
+ENDS = ((34.0, 10.0, -44.0), (97.0, 0.0, 0.0), (34.0, 36.0, 42.0))  # CIE L*a*b* of lowest, zero, highest value, all inside sRGB
 
 
 def signed(n: int = 255) -> np.ndarray:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.ticker import MultipleLocator
 from scipy import ndimage
 
 from ..base import vtk
@@ -43,6 +44,8 @@ def save(march: March, path: Path, chord: float, elastic_axis: float) -> None:
             axis.set_xlim(*WINDOW[:2])
             axis.set_ylim(*WINDOW[2:])
             axis.set_aspect("equal")
+            axis.xaxis.set_major_locator(MultipleLocator(0.5))
+            axis.yaxis.set_major_locator(MultipleLocator(0.25))
         for axis in axes.flat[n:]:
             axis.set_visible(False)
         for axis in axes[-1]:

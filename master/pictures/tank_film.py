@@ -95,7 +95,7 @@ def draw(axes: Axes, field: vtk.Field, window: np.ndarray, name: str) -> None:
         axes.plot([foot[0], tip[0]], [foot[1], tip[1]], color=EDGE, lw=2.0)
     time = field.whole.get("TimeValue", np.empty(0))
     axes.set_title(f"t = {time[0]:.4f} s" if time.size else name.replace("_", " "), fontsize=10)
-    axes.set(xlim=window[:2], ylim=window[2:], xlabel="$X$ [m]", ylabel="$Y$ [m]", aspect="equal")
+    axes.set(xlim=window[:2], ylim=window[2:], xlabel="aft $X$ [m]", ylabel="up $Y$ [m]", aspect="equal")
 
 
 def _picture(figure: Figure, path: Path) -> Path:
