@@ -217,4 +217,4 @@ class Output:
     """What a run writes."""
 
     pictures: bool = key(True, "PNG pictures")
-    fields: bool = key(True, "four flow fields over the flutter mode's last period (VTK files, for the Mach picture and ParaView)")
+    fields: bool = key(True, "four flow fields over the flutter mode's last period (VTK, for the Mach picture and ParaView)")

@@ -19,7 +19,7 @@ from aeroslosh.master.base import vtk
 from aeroslosh.master.boundary.search import BoundaryPoint, sample
 from aeroslosh.master.flutter.march import March
 from aeroslosh.master.fmi.table_drive import Table
-from aeroslosh.master.pictures import boundary, canvas, look, mach_field, march, modes, sweep, table
+from aeroslosh.master.pictures import boundary, canvas, envelope, look, mach_field, march, modes, overlay, sweep, table
 from support.fields import flow
 
 # Machado, Oliveira and Fernandes 2009, doi 10.1109/TVCG.2009.113, severity 1.0, on linear sRGB
@@ -168,3 +168,37 @@ def test_the_sonic_line_is_smooth(tmp_path: Path) -> None:
     assert abs(r.mean() - 0.9) < 0.03 and np.ptp(r) < 0.01  # cells there are 0.1 wide
     turns = np.diff(np.unwrap(np.arctan2(*np.diff(path.vertices, axis=0).T[::-1])))
     assert np.abs(turns[np.abs(turns) < math.pi / 2]).max() < math.radians(12.0)  # no staircase
+
+
+def test_pictures_of_several_boundaries_and_of_altitudes(drawn: list[Figure], tmp_path: Path) -> None:
+    rows = [
+        {
+            "mach": m,
+            "V_f": 1.0 - m / 2,
+            "V_f_uncertainty": 0.01,
+            "frequency": 0.9,
+            "kind": "flutter",
+            "direction": d,
+            "slosh_holds": h,
+        }
+        for m, d, h in ((0.7, "onset", None), (0.8, "onset", False), (0.8, "recovery", None))
+    ]
+    overlay.draw({"dry": rows, "slosh (VOF)": rows[:1]}, tmp_path / "o.png")
+    check(drawn[-1], ("dry against slosh (VOF)", "Mach 0.7 to 0.8", "V_f"))
+    found = [
+        {
+            "altitude": 1000.0 * n,
+            "mach": 0.6 + n / 50,
+            "airspeed": 200.0 + n,
+            "equivalent_airspeed": 190.0 - n,
+            "onset": True,
+            "fill": f,
+        }
+        for n in range(3)
+        for f in (0.2, 0.8)
+    ]
+    assert envelope.draw(found, ["fill"], "ems", 0.0, 2000.0).startswith(b"\x89PNG")
+    check(drawn[-1], ("linear slosh (EMS)",))
+    assert {text.get_text() for text in drawn[-1].legends[0].get_texts()} == {
+        f"fill {f}: flutters from here on" for f in (0.2, 0.8)
+    }
