@@ -14,7 +14,12 @@ from ..results.past_run import PastRun
 from .markup import Markup, facts, join, paragraph, table, tag
 from .words import number
 
-COSTS = {"wall_seconds": "wall clock [s]", "cpu_seconds": "processor [s]", "steady_cpu_seconds": "steady start, processor [s]"}
+COSTS = {
+    "wall_seconds": "wall clock [s]",
+    "cpu_seconds": "processor [s]",
+    "steady_cpu_seconds": "steady start, processor [s]",
+    "companion_cpu_seconds": "coarse marches for the error bar, processor [s]",
+}
 
 
 def settings(run: PastRun) -> Markup:

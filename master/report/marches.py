@@ -10,6 +10,7 @@ from ..results.history_file import History
 from .chart import Chart, Line
 from .markup import Markup, join, paragraph, tag
 from .signals import envelope
+from .words import sentence
 
 DEGREES = 180.0 / np.pi
 LOADS = (
@@ -42,8 +43,8 @@ def motion(history: History, result: dict[str, Any], about: str) -> Markup:
                 parts.append(
                     Line(cycles[release:], scale * side, "" if n else "envelope of the flutter mode", "red", True, bool(n))
                 )
-        word = label.split(",")[0].split(" h/b")[0].capitalize()
-        charts.append(Chart(f"{word}: {about}", CYCLES, label, list(parts), forced, zoom=True).html())
+        word = label.split(",")[0].split(" h/b")[0]
+        charts.append(Chart(f"{sentence(word)}: {about}", CYCLES, label, list(parts), forced, zoom=True).html())
     grey = paragraph("Grey: forced motion, before the release.", class_="small") if release else None
     return join([tag("div", *charts, class_="charts linked"), grey])
 
@@ -72,7 +73,7 @@ def loads(history: History, about: str) -> Markup:
     for name, label, scale in LOADS:
         if name in history.values and np.ptp(history.values[name]) > 0.0:
             line = Line(cycles, scale * history.values[name], label.split(" [")[0], "blue")
-            charts.append(Chart(f"{line.label.capitalize()}: {about}", CYCLES, label, [line], zoom=True).html())
+            charts.append(Chart(f"{sentence(line.label)}: {about}", CYCLES, label, [line], zoom=True).html())
     return tag("div", *charts, class_="charts linked") if charts else Markup("")
 
 
@@ -90,7 +91,7 @@ def health(history: History, about: str) -> Markup:
     ):
         if name in v and np.ptp(v[name][1:]) > 0.0:
             line = Line(cycles[1:], v[name][1:], name, "purple")
-            charts.append(Chart(f"{word}: {about}", CYCLES, label, [line], zero=True, zoom=True).html())
+            charts.append(Chart(f"{sentence(word)}: {about}", CYCLES, label, [line], zero=True, zoom=True).html())
     return tag("div", *charts, class_="charts linked") if charts else Markup("")
 
 

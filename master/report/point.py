@@ -13,7 +13,7 @@ from ..results.past_run import PastRun
 from . import about, films, marches
 from .airfoil import outline
 from .markup import Markup, facts, paragraph, section, table, tag
-from .words import number, percent, with_error
+from .words import number, percent, sentence, with_error
 
 
 def build(run: PastRun) -> tuple[str, list[Markup]]:
@@ -42,7 +42,7 @@ def build(run: PastRun) -> tuple[str, list[Markup]]:
     if history is not None and history.size > 1:
         health.append(marches.health(history, named))
     parts += [section("Coupling health", *health), section("Cost", about.cost(r.get("cost") or {}))]
-    return f"{named[0].upper()}{named[1:]}: {r['verdict']}", parts
+    return f"{sentence(named)}: {r['verdict']}", parts
 
 
 def rests_on(r: dict[str, Any]) -> Markup:
@@ -71,7 +71,8 @@ def rests_on(r: dict[str, Any]) -> Markup:
     parts = [
         (f"  uncertainty: {name.replace('_', ' ')}", f"{value:.2g}") for name, value in (r.get("uncertainty_parts") or {}).items()
     ]
-    return facts([*rows, *parts])
+    missing = ", ".join(r.get("uncertainty_missing") or [])
+    return facts([*rows, *parts, ("not in the error bar", missing)])
 
 
 def modes(r: dict[str, Any]) -> Markup:

@@ -11,16 +11,18 @@ from ..case.fuel_tank import LABEL
 from ..results import history_file
 from ..results.past_run import PastRun
 from ..results.point_file import Record
-from . import about, marches
+from . import about, marches, ticks
 from .chart import Chart, Dots, Line, Tiles
 from .markup import Markup, join, paragraph, section, table, tag
-from .words import with_error
+from .words import sentence, with_error
 
 V_F = "flutter.V_f"
 ROWS, MOTIONS = 400, 40
 COLOURS = {"damped": "blue", "flutter": "red", "divergence": "purple", "limit cycle": "sky"}
 SHAPES = {"damped": "circle", "flutter": "square", "divergence": "triangle", "neutral": "diamond", "limit cycle": "diamond"}
+STROKES = ("grey", "purple", "ink", "sky", "grey", "purple")  # of lines that join points, each second one dashed
 Row = dict[str, Any]
+Range = tuple[float, float] | None
 
 
 def build(run: PastRun) -> tuple[str, list[Markup]]:
@@ -92,11 +94,14 @@ def _drawn(rows: list[Row], names: list[str], value: str, label: str, liquids: s
     rest = [n for n in numbers if n != V_F]
     if V_F in numbers and rest and value == "growth_rate":
         places = sorted({row[V_F] for row in known})
+        seen = ticks.limits(np.array([0.0, *(row[value] for row in known)]))  # the same axis wherever the slider stands
         choices = []
         for V_f in places:
             here = [row for row in known if row[V_F] == V_f]
             drawn = [
-                _curve(here, n, rest, value, label, liquids, f"V_f {V_f:g}") for n in rest if len({row[n] for row in here}) > 1
+                _curve(here, n, rest, value, label, liquids, f"V_f {V_f:g}", seen)
+                for n in rest
+                if len({row[n] for row in here}) > 1
             ]
             if drawn:
                 choices.append(
@@ -132,7 +137,7 @@ def _map(known: list[Row], numbers: list[str], value: str, label: str, liquids: 
     crosses = [Dots(places[0], places[1], "slosh model does not hold", "ink", "cross")] if bad else []
     spoken = [_spoken(n) for n in numbers]
     chart = Chart(
-        f"{label.split(' [')[0].capitalize()}, {liquids}",
+        f"{sentence(label.split(' [')[0])}, {liquids}",
         spoken[0],
         spoken[1],
         [Tiles(boxes, colours, texts), *crosses],
@@ -143,7 +148,9 @@ def _map(known: list[Row], numbers: list[str], value: str, label: str, liquids: 
     return tag("div", chart.html(), scale)
 
 
-def _curve(known: list[Row], name: str, numbers: list[str], value: str, label: str, liquids: str, about_: str = "") -> Markup:
+def _curve(
+    known: list[Row], name: str, numbers: list[str], value: str, label: str, liquids: str, about_: str = "", y_range: Range = None
+) -> Markup:
     """Dots over one key, by verdict."""
     dots: list[Line | Dots] = []
     others = [n for n in numbers if n != name]
@@ -153,7 +160,13 @@ def _curve(known: list[Row], name: str, numbers: list[str], value: str, label: s
             if len(line) > 1 and len({x for x, _ in line}) == len(line):
                 x, y = np.array(line).T
                 dots.append(
-                    Line(x, y, f"{others[0].rpartition('.')[2].replace('_', ' ')} {other:g}", "grey", bool(len(dots) % 2))
+                    Line(
+                        x,
+                        y,
+                        f"{_spoken(others[0]).split(' [')[0].split(' (')[0]} {other:g}",
+                        STROKES[len(dots) % len(STROKES)],
+                        bool(len(dots) % 2),
+                    )
                 )
     dots = dots if len(dots) <= 6 else []
     for verdict in dict.fromkeys(str(row["verdict"]) for row in known):
@@ -162,10 +175,9 @@ def _curve(known: list[Row], name: str, numbers: list[str], value: str, label: s
         error = np.array([2.0 * (row.get(f"{value}_uncertainty") or 0.0) for row in mine])
         texts = [f"{row['point']}: {with_error(row[value], row.get(f'{value}_uncertainty'))}, {verdict}" for row in mine]
         dots.append(Dots(x, y, verdict, COLOURS.get(verdict, "ink"), SHAPES.get(verdict, "cross"), False, error, texts))
-    title = ", ".join(
-        filter(None, [f"{label.split(' [')[0].split(' (')[0].capitalize()} over {_spoken(name).split(' [')[0]}", liquids, about_])
-    )
-    return Chart(title, _spoken(name), label, list(dots), zero=value == "growth_rate").html()
+    what, over = (text.split(" [")[0].split(" (")[0] for text in (label, _spoken(name)))
+    title = ", ".join(filter(None, [f"{sentence(what)} over {over}", liquids, about_]))
+    return Chart(title, _spoken(name), label, list(dots), zero=value == "growth_rate", y_range=y_range).html()
 
 
 def _motions(run: PastRun, rows: list[Row]) -> Markup | None:

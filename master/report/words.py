@@ -20,3 +20,8 @@ def with_error(value: float | None, error: float | None, digits: int = 5) -> str
     if value is None:
         return "none"
     return f"{value:.{digits}f}" if error is None else plus_minus(value, error, digits)
+
+
+def sentence(text: str) -> str:
+    """With a capital first letter; the symbols in it stay."""
+    return text[:1].upper() + text[1:]
