@@ -7,6 +7,7 @@
     ae.boundary(case, mach=[0.7, 0.8]).crossings            # neutral V_f as a DataFrame
     ae.sweep(case, {"flutter.V_f": [0.8, 0.9, 1.0]})        # an xarray.Dataset over the swept keys
     ae.open("runs/map")                                     # any run or sweep folder, again as these objects
+    ae.report("runs/map")                                   # the same as one HTML page that can be sent
     ae.simulate("slosh_vof", {"time": t, "x": x})           # one FMU
     ae.System.load("tank_on_springs").run()                 # any system of FMUs
 
@@ -24,13 +25,14 @@ if TYPE_CHECKING:
     from .master.api.opened import open_run as open
     from .master.api.point import Point, point
     from .master.api.progress import Cancelled, Update
+    from .master.api.report import report
     from .master.api.simulate import System, simulate
     from .master.api.sweep import sweep
     from .master.base.errors import AeroSloshError, ComponentError
 
 __all__ = [
     "AeroSloshError", "Boundary", "Cancelled", "Case", "ComponentError", "Point", "System", "Update", "Verdict", "__version__",
-    "boundary", "open", "point", "simulate", "sweep",
+    "boundary", "open", "point", "report", "simulate", "sweep",
 ]  # fmt: skip
 _PLACES = {
     "AeroSloshError": ("base.errors", "AeroSloshError"),
@@ -45,6 +47,7 @@ _PLACES = {
     "boundary": ("api.boundary", "boundary"),
     "open": ("api.opened", "open_run"),
     "point": ("api.point", "point"),
+    "report": ("api.report", "report"),
     "simulate": ("api.simulate", "simulate"),
     "sweep": ("api.sweep", "sweep"),
 }

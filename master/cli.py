@@ -52,6 +52,7 @@ def parser(command: str = "") -> argparse.ArgumentParser:
         epilog="exit codes: 0 ok, 1 compare: different, 2 bad input, 3 a component failed, 4 no verdict or tolerance not met, "
         "5 incomplete (full disk, cluster gone), 70 internal error, 130 interrupted, 143 terminated",
     )
+    top.add_argument("--version", action=_Version, nargs=0, help="say the version")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, text in HELP.items():
         if name == command:
@@ -59,6 +60,16 @@ def parser(command: str = "") -> argparse.ArgumentParser:
         else:
             commands.add_parser(name, help=text)
     return top
+
+
+class _Version(argparse.Action):
+    """Says the version; the metadata are read only then."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib import metadata
+
+        print(f"aeroslosh {metadata.version('aeroslosh')} (Python {sys.version.split()[0]})")
+        parser.exit()
 
 
 def _told(arguments: Sequence[str] | None) -> int:

@@ -29,11 +29,12 @@ MAY = {
     "boundary": "base cosim case analysis flutter linear",
     "results": "base fmi cosim case analysis flutter boundary",
     "pictures": "base fmi case flutter linear boundary results",
+    "report": "base case cosim pictures results",
     "sweeps": "base fmi cosim case analysis flutter linear boundary results",
     "ssp": "base cosim case flutter results",
     "hosts": "base fmi pictures",
     "training": "base fmi case",
-    "api": "base fmi cosim case analysis flutter boundary results pictures sweeps",
+    "api": "base fmi cosim case analysis flutter boundary results pictures report sweeps",
     "commands": "base fmi cosim case analysis flutter boundary results pictures sweeps ssp hosts training api",
     "cli": "base commands",
 }

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import disk, interrupts, notices
+from ..base import disk, files, interrupts, notices
 from ..base.errors import AeroSloshError, InternalError
 from ..base.wording import plus_minus
 from ..boundary import modes, solve
@@ -25,7 +25,7 @@ from ..cosim.loop import Watcher
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup, find_fmus
 from ..fmi import kernels
-from ..results import by_value, summary, trust
+from ..results import boundary_table, by_value, summary, trust
 from ..results.history_writer import write_history
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
@@ -198,6 +198,7 @@ class Kept:
             return
         about = provenance(self.hashes)
         self.folder.write_result(self.data() | {"provenance": about})
+        files.write(self.folder.path / "boundary.csv", boundary_table.as_csv([row for _, row in sorted(self._rows.items())]))
         self._written = set(self._finished)
         self.folder.publish()
         for march in point.marches:

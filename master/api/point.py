@@ -215,12 +215,13 @@ def write(case: cases.Case, computed: Computed, folder: RunFolder) -> None:
         pvd.write_beside(folder.path / "fields", instants)
     if not case.output.pictures:
         return
-    from ..pictures import march as pictures  # matplotlib takes half a second to import
+    from ..pictures import mach_field  # matplotlib takes half a second to import
+    from ..pictures import march as pictures
 
     pictures.histories(march, folder.path / "histories.png")
     pictures.phase(march, folder.path / "phase.png")
     if march.fields:
-        pictures.mach_field(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)
+        mach_field.save(march, folder.path / "mach_field.png", case.section.chord, case.section.elastic_axis)
     draw_section(folder, computed.airfoil)
 
 

@@ -187,6 +187,16 @@ def _checked(value: Any, hint: Any, rule: Any, name: str, where: str) -> Any:
     return value
 
 
+def allowed(hint: Any, rule: Any) -> str:
+    """What a key of type `hint` with this `rule` may be: type, range and unit in words."""
+    if typing.get_origin(hint) is list:
+        return f"a list of {_expected(typing.get_args(hint), rule).removeprefix('a ').replace('number', 'numbers', 1)}"
+    if typing.get_origin(hint) is dict:
+        return "a table"
+    kinds = tuple(k for k in typing.get_args(hint) if k is not type(None)) if isinstance(hint, types.UnionType) else (hint,)
+    return _expected(kinds, rule)
+
+
 def _expected(kinds: tuple[Any, ...], rule: Any) -> str:
     """The words of a remedy: type, range and unit."""
     names = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}

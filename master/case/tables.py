@@ -222,4 +222,4 @@ class Output:
     """What a run writes."""
 
     pictures: bool = key(True, "PNG pictures")
-    fields: bool = key(True, "four flow fields of the last free period (VTK files, for the Mach picture and ParaView)")
+    fields: bool = key(True, "four flow fields over the flutter mode's last period (VTK, for the Mach picture and ParaView)")

@@ -2,6 +2,7 @@
 and returns the exit code. A module is loaded when its command is asked for."""
 
 HELP = {
+    "init": "write a case to fill in: every key with its meaning, unit, range and default",
     "point": "march one Mach number and V_f: does it flutter?",
     "boundary": "find the neutral V_f of the case's Mach numbers",
     "sweep": "compute many points or boundaries of a case: grids, lists, Latin hypercubes over any key; resumable",
@@ -9,8 +10,11 @@ HELP = {
     "drive": "drive one FMU alone with a table of its inputs",
     "animate": "draw the liquid in a tank from the fields that a slosh FMU wrote, as an animation",
     "compare": "tell what differs between two runs: settings, provenance, results, histories, cost",
+    "overlay": "draw the boundaries of several runs in one picture: dry against fuel",
+    "report": "write a run, a sweep or a system's run as one HTML page that can be sent",
     "export": "write a run's histories or fields, or a coupled system, for other programs",
     "train": "train the surrogate slosh_rbf of one tank on records of slosh_vof, with a report",
     "doctor": "check this installation and each FMU; say how to start another program that runs FMUs",
+    "completion": "print the script that completes commands and options in bash, zsh or fish",
 }
 """Name and what it does, in the order of `aeroslosh --help`."""

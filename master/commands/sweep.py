@@ -32,6 +32,7 @@ def register(commands: Any) -> None:
     text = HELP["sweep"]
     sub = commands.add_parser("sweep", help=text, description=text)
     common.add_case(sub)
+    sub.add_argument("--boundary", action="store_true", help='every point searches its neutral V_f (sweep.command = "boundary")')
     keys = sub.add_argument_group("what is swept, instead of the case's [sweep.parameters]")
     keys.add_argument(
         "--grid", action="append", metavar="KEY=VALUES", help="flow.mach=0.7,0.8 or slosh.fill_level=0.1:0.9:5[:log]"
@@ -107,6 +108,8 @@ def _alone(options: argparse.Namespace, case: Case, wanted: Plan, folder: Path, 
 def _case(options: argparse.Namespace) -> tuple[Case, list[Parameter]]:
     """The case with what the command line changes in it, and what is swept."""
     case = common.load_case(options)
+    if options.boundary:
+        cases.apply_override(case, "sweep.command=boundary")
     flags = [flag for flag in FLAGS if getattr(options, flag)]
     if len(flags) > 1:
         raise AeroSloshError(f"--{flags[0]} and --{flags[1]} together", "command line", "a sweep has one mode: take one of them")

@@ -11,6 +11,7 @@ from typing import Any
 
 from ..base.errors import ExitCode
 from ..case import fuel_tank
+from ..sweeps import envelope
 from ..sweeps import results as sweep_results
 from ..sweeps.plan import Plan
 from ..sweeps.progress import duration
@@ -33,6 +34,9 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float,
         if picture is not None:
             store.write("sweep.png", picture)
             files.append("sweep.png")
+    found = envelope.points(rows, plan.names) if envelope.wanted(plan.kind, plan.names) else []
+    if found:
+        files += _envelope(options, plan, store, found)
     failed = [row for row in rows if row.status == "failed"]
     undetermined = [row for row in rows if row.status == "done" and not row.determined]
     broken = [line for line in table if line["slosh_holds"] is False]
@@ -46,6 +50,8 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float,
         "cpu_seconds": sum(row.cpu_seconds for row in rows),
         "folder": str(store.folder),
     } | told
+    if envelope.wanted(plan.kind, plan.names):
+        data["matched"] = found
     if options.json:
         print(json.dumps(data | {"rows": [dataclasses.asdict(row) for row in rows]}, allow_nan=False))
     else:
@@ -61,8 +67,24 @@ def conclude(options: argparse.Namespace, plan: Plan, store: Store, wall: float,
                 f"  {data['slosh_does_not_hold']} points: {fuel_tank.broken(worst)} (slosh_validity, crosses in the picture)\n"
                 '  remedy       smaller motions (flutter.forced_amplitude_deg) or slosh.model = "vof"'
             )
+        if envelope.wanted(plan.kind, plan.names):
+            print("\n".join(envelope.lines(found, rows)))
         print(f"  cost         {duration(wall)} wall, {duration(data['cpu_seconds'])} CPU of all points")
         print(f"  sweep folder {os.path.relpath(store.folder)} ({', '.join(files)})")
     if failed:
         return ExitCode.COMPONENT
     return ExitCode.UNDETERMINED if undetermined else ExitCode.OK
+
+
+def _envelope(options: argparse.Namespace, plan: Plan, store: Store, found: list[dict[str, Any]]) -> list[str]:
+    """Table and picture of the altitudes and speeds at which the wing flutters; returns the files' names."""
+    store.write("envelope.csv", envelope.as_csv(found, plan.names))
+    if options.no_pictures:
+        return ["envelope.csv"]
+    from ..pictures import envelope as picture  # matplotlib takes half a second to import
+
+    others = [n for n in plan.names if n not in (envelope.ALTITUDE, envelope.MACH)]
+    altitudes = [p.overrides[envelope.ALTITUDE] for p in plan.points]
+    slosh = " and ".join(dict.fromkeys(p.case.slosh.model for p in plan.points))
+    store.write("envelope.png", picture.draw(found, others, slosh, min(altitudes), max(altitudes)))
+    return ["envelope.csv", "envelope.png"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time as clock
 
+from ..base.terminal import fitted
 from .system import System
 
 
@@ -40,20 +41,21 @@ class Progress:
             if now - self._shown < 0.2 and step < steps:
                 return
             self._shown = now
-            text = self._text(step, steps, system, now)
+            text = fitted(self._text(step, steps, system, now))
             self._width = max(self._width, len(text))
             print("\r" + text.ljust(self._width), end="", file=sys.stderr, flush=True)
             if step == steps:
                 self._clear()
         elif 4 * step // steps > self._quarter:
             self._quarter = 4 * step // steps
-            print(self._text(step, steps, system, now), file=sys.stderr, flush=True)
+            print(fitted(self._text(step, steps, system, now)), file=sys.stderr, flush=True)
 
     def beside(self, label: str, done: int, total: int, line: str) -> None:
         """One of several things at work side by side has come to `done` of `total`; `line` tells of all of them."""
         if self.quiet:
             return
         if self._live:
+            line = fitted(line)
             self._width = max(self._width, len(line))
             print("\r" + line.ljust(self._width), end="", file=sys.stderr, flush=True)
         elif total and 4 * done // total > self._quarters.get(label, 0):
@@ -64,8 +66,8 @@ class Progress:
         spent = now - self._begin
         left = spent / step * (steps - step)
         total = sum(c.cpu for c in system.components) or 1.0
-        shares = "  ".join(f"{c.name} {100.0 * c.cpu / total:.0f} %" for c in system.components)
-        return f"  {self.label}  step {step}/{steps}  {left:.0f} s left  cost: {shares}"
+        shares = ", ".join(f"{c.name} {100.0 * c.cpu / total:.0f} %" for c in system.components)
+        return f"  {self.label}  {step}/{steps}  {left:.0f} s left  ({shares})"
 
     def _clear(self) -> None:
         if self._live and self._width:

@@ -11,13 +11,18 @@ from ..fmi.component import Component
 
 
 class Fields:
-    """Asks `aero` for its fields at `steps`; they end up in `folder` (None: no fields are asked for)."""
+    """Asks `aero` for its fields at the steps that `again` names; they end up in `folder` (None: no fields are asked for)."""
 
-    def __init__(self, aero: Component, folder: Path | None, steps: Iterable[int]) -> None:
+    def __init__(self, aero: Component, folder: Path | None) -> None:
         self._aero, self._folder, self._source = aero, folder, folder
-        self._steps = set(steps) if folder is not None else set[int]()
+        self._steps = set[int]()
         self._writing = False
         self._taken: list[int] = []
+
+    @property
+    def wanted(self) -> bool:
+        """Whether fields are written at all."""
+        return self._folder is not None
 
     def resume(self) -> None:
         """The FMU has the state of an interrupted march: its folder is that run's, and it may have been about to write."""
@@ -30,7 +35,7 @@ class Fields:
         try:
             self._source.mkdir(parents=True, exist_ok=True)
         except OSError:  # another machine, or a folder of another user: a march is worth more than its pictures
-            self._steps.clear()
+            self._folder = None
 
     def before(self, step: int) -> None:
         """The march is about to make `step`."""
@@ -43,7 +48,7 @@ class Fields:
 
     def again(self, steps: Iterable[int]) -> None:
         """The march goes on: `steps` instead of those before, whose files go."""
-        if self._folder is None or not self._steps:
+        if self._folder is None:
             return
         if self._writing:
             self._writing = False

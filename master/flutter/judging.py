@@ -28,6 +28,12 @@ def judged(table: dict[str, np.ndarray], span: Span, V_f: float, setup: FlutterS
     return Judgement(Verdict.UNDETERMINED, f"the free response is shorter than {slower}", False, said.fit, MORE_CYCLES)
 
 
+def seen_frequency(table: dict[str, np.ndarray], release: int) -> float | None:
+    """Frequency of the critical mode in the free motion so far, over omega_alpha; None where none is seen, or none oscillates."""
+    fit = analyse(table["tau"][release:], np.vstack([table["h_over_b"], table["alpha"]])[:, release:])
+    return fit.frequency if fit is not None and fit.frequency > 0.0 else None
+
+
 def checked(
     said: Judgement, table: dict[str, np.ndarray], release: int, stop: Stop | None, failed: int, steps: int, stiffness: float
 ) -> Judgement:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,12 +21,12 @@ from ..cosim.loop import Checkpoints, Cost, Counter, End, Finite, Loop, Meter, O
 from ..cosim.scheme import StepReport
 from . import apparent_mass
 from .flow_fields import Fields
-from .judging import FEWEST, checked, judged
+from .judging import FEWEST, checked, judged, seen_frequency
 from .recorder import History
 from .setup import FlutterSetup
 from .span import Span
 
-QUARTERS = (0.75, 0.5, 0.25, 0.0)  # of the last period: instants of the flow fields
+QUARTERS = (0.75, 0.5, 0.25, 0.0)  # of the last period of the flutter mode: instants of the flow fields
 
 
 @dataclass
@@ -100,13 +99,28 @@ class _Limit(Observer):
 
 
 class _FieldsWanted(Observer):
-    """Asks for flow fields before the steps that are wanted."""
+    """Asks for flow fields at four instants of the flutter mode's last period in the march, or of what is left of the march where
+    that is less. Half way through the free motion the mode's frequency is read: it shows, and a period is still to come."""
 
-    def __init__(self, fields: Fields) -> None:
-        self._fields = fields
+    def __init__(self, fields: Fields, history: History, s: Scales, release: int) -> None:
+        self._fields, self._history, self._scales, self._release = fields, history, s, release
+        self._steps = self._look = 0
+        self._aimed = True
+
+    def until(self, steps: int) -> None:
+        """The march is to go to step `steps`; fields of an earlier plan are thrown away."""
+        self._steps, self._look, self._aimed = steps, self._release + (steps - self._release) // 2, False
+        self._fields.again(())
 
     def before(self, loop: Loop, step: int) -> None:
         """`step` is about to be made."""
+        if not self._aimed and step > self._look:
+            self._aimed = True
+            s, left = self._scales, self._steps - self._look
+            table = self._history.finish(self._look + 1, s) if self._fields.wanted else None
+            frequency = seen_frequency(table, self._release) if table is not None else None
+            period = min(s.steps_per_cycle / frequency, left) if frequency else s.steps_per_cycle
+            self._fields.again(self._steps - round(q * period) for q in QUARTERS)
         self._fields.before(step)
 
 
@@ -120,7 +134,8 @@ def march(
 ) -> March:
     """March `setup` at `V_f`. A failing component ends the march: the history so far is kept and judged.
 
-    `field_folder`: where the setup's aero FMU writes flow fields; four instants of the last free period are asked for.
+    `field_folder`: where the setup's aero FMU writes flow fields; four instants of the flutter mode's last period
+    are asked for.
     `keeper` writes checkpoints; from one (`checkpoint`) the march goes on as if it had not been interrupted.
     """
     setup.slopes()  # for the verdict: part of the steady start, not of the march
@@ -134,10 +149,11 @@ def march(
     span = Span.of(case, s, setup.needed_cycles(V_f))
     steps, history = span.planned, History(setup, span.planned + 1)
     history.take(0)
-    fields = Fields(setup.aero, field_folder, _instants(steps, s))
+    fields = Fields(setup.aero, field_folder)
+    wanted = _FieldsWanted(fields, history, s, span.release)
     unconverged = {c.name: 0 for c in system.components if c is not setup.structure}
     observers = [
-        _FieldsWanted(fields),
+        wanted,
         Counter(statistics),
         Finite(lambda step: f"tau = {step * s.dt * s.omega_alpha:.3f}"),
         _Recorder(history, unconverged),
@@ -162,6 +178,7 @@ def march(
         fields.resume()
         history.restore(checkpoint.part("history"))
         statistics.restore(checkpoint.about["scheme"])
+    wanted.until(steps)
     said: Judgement | None = None
     while loop.to(steps) and steps < span.most:
         said = judged(history.finish(steps + 1, s), span, V_f, setup)
@@ -169,7 +186,7 @@ def march(
             break
         said, steps = None, span.longer(steps)
         history.extend(steps + 1)
-        fields.again(_instants(steps, s))
+        wanted.until(steps)
     if loop.failure is not None and setup.exchanges_whole_loads:
         loop.failure.remedy = (
             "slosh.split = 'frozen' or coupling.scheme = 'implicit': the whole load of a heavy liquid, exchanged once a "
@@ -201,11 +218,6 @@ def march(
         setup.stiffness(V_f),
         note,
     )
-
-
-def _instants(steps: int, s: Scales) -> Iterable[int]:
-    """The steps before which flow fields are asked for, in a march of `steps`."""
-    return (steps - round(q * s.steps_per_cycle) for q in QUARTERS)
 
 
 def _kept(

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from .march import BLUE, GREY, RED, STYLE
+from .look import BLUE, GREY, STYLE
+from .look import ORANGE as RED
 
 
 def read(table: Path) -> dict[str, np.ndarray]:
@@ -38,7 +39,8 @@ def draw(table: Path, path: Path, summary: str) -> None:
         for place, title, (x, y), half in windows:
             axis = figure.add_subplot(place)
             axis.plot(*np.vstack([mesh, mesh[:1]]).T, color=BLUE, lw=1.0, marker=".", ms=4 if title else 2, label="mesh wall")
-            axis.plot(*points.T, color=RED, ls="", marker="x", ms=5 if title else 2.5, mew=0.8, label=label)
+            marks = {"ls": "", "marker": "x"} if label == "file" else {"ls": (0, (3, 4)), "lw": 1.4}
+            axis.plot(*points.T, color=RED, ms=5 if title else 2.5, mew=0.8, label=label, **marks)
             axis.axhline(0.0, color=GREY, lw=0.5)
             axis.set_aspect("equal", adjustable="box")
             axis.set_xlim(x - half, x + half)
@@ -47,7 +49,7 @@ def draw(table: Path, path: Path, summary: str) -> None:
                 axis.set_title(title, fontsize=10)
             else:
                 axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-            axis.set_xlabel("$x/c$")
-            axis.set_ylabel("$y/c$")
+            axis.set_xlabel("chordwise place $x/c$ [–]")
+            axis.set_ylabel("height $y/c$ [–]")
         figure.suptitle(summary.replace("$", r"\$"), fontsize=8.5, wrap=True)
         figure.savefig(path)

@@ -14,10 +14,11 @@ from ..boundary.search import BoundaryPoint, State
 from ..case.fuel_tank import LABEL, holds
 from ..linear.model import LinearCrossing
 from ..results import trust
-from .march import BLUE, GREEN, GREY, RED, STYLE, plt
+from . import canvas as plt
+from . import look
+from .look import BLUE, CROSSING_MARKS, CROSSINGS, GREY, ORANGE, PURPLE, STYLE
 
 NEAR = 0.45  # crossings of neighbouring Mach numbers further apart than this in ln V_f and ln frequency are not joined
-COLORS = {"onset": BLUE, "recovery": GREEN, "divergence": RED, "end of divergence": RED}
 Found = Crossing | LinearCrossing
 
 
@@ -54,18 +55,18 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
     points = sorted(points, key=lambda p: p.mach)
     with plt.rc_context(STYLE):
         figure, (top, low) = plt.subplots(
-            2, 1, figsize=(7.4, 7.4), sharex=True, gridspec_kw={"height_ratios": [2.2, 1.0]}, constrained_layout=True
+            2, 1, figsize=(7.4, 8.0), sharex=True, gridspec_kw={"height_ratios": [2.2, 1.0]}, constrained_layout=True
         )
         liquid = f", {LABEL[slosh]}" if slosh != "none" else ""
         frozen = ", frozen liquid" if slosh != "none" else ""  # what the linear model carries, whatever the slosh model
-        for grows, color, label in ((False, GREEN, "march: damped"), (True, RED, "march: growing")):
+        for grows, color, label in ((False, BLUE, "march: damped"), (True, ORANGE, "march: growing")):
             dots = [(p.mach, s.V_f) for p in points for s in p.samples if s.known and (s.growth_rate > 0) is grows]
             if dots:
                 top.plot(*zip(*dots, strict=True), ".", color=color, ms=4, alpha=0.6, label=label, zorder=2)
         linear = [(p.mach, [q.crossing for q in p.predictions]) for p in points if p.predictions]
         for branch in branches([(m, list(c)) for m, c in linear]):
             machs, values = [m for m, _ in branch], [c.V_f for _, c in branch]
-            color = COLORS[branch[0][1].name]
+            color = CROSSINGS[branch[0][1].name]
             top.plot(machs, values, "-", marker="." if len(branch) == 1 else "", color=color, lw=0.8, ms=3, zorder=1)
             low.plot(machs, [c.frequency for _, c in branch], "-", color=color, lw=0.8, zorder=1)
         marched = [(p.mach, [c for c in p.crossings if c.source == "march"]) for p in points]
@@ -73,12 +74,12 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
             if not linear:
                 top.plot([m for m, _ in branch], [c.V_f for _, c in branch], "-", color=GREY, lw=0.8, zorder=1)
                 low.plot([m for m, _ in branch], [c.frequency for _, c in branch], "-", color=GREY, lw=0.8, zorder=1)
-        for direction, mark in (("onset", "o"), ("recovery", "D"), ("divergence", "^")):
+        for direction, mark in CROSSING_MARKS.items():
             found = [(m, c.V_f, c.uncertainty, c.frequency) for m, cs in marched for c in cs if c.name == direction]
             if not found:
                 continue
             mach, value, error, frequency = (np.array(column) for column in zip(*found, strict=True))
-            style = {"fmt": mark, "color": COLORS[direction], "mfc": "white", "mew": 1.3, "ms": 5.5, "zorder": 3}
+            style = {"fmt": mark, "color": CROSSINGS[direction], "mfc": "white", "mew": 1.3, "ms": 5.5, "zorder": 3}
             top.errorbar(mach, value, yerr=2.0 * error, capsize=3, label=f"{direction}{liquid}, marched (± 2 standard)", **style)
             low.errorbar(mach, frequency, **style)
         doubtful = [
@@ -86,24 +87,25 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
             if c.source == "march" and not holds(trust.of_crossing(c, p.marches))
         ]  # fmt: skip
         if doubtful:
-            style = {"color": RED, "ms": 11, "mew": 1.6, "zorder": 5}
+            style = {"color": PURPLE, "ms": 11, "mew": 1.6, "zorder": 5}
             top.plot(*zip(*doubtful, strict=True), "x", label="slosh model does not hold: undetermined", **style)
         missed = [(p.mach, q.crossing.V_f) for p in points for q in p.predictions if q.state is State.CONTRADICTED]
         if missed:
-            top.plot(*zip(*missed, strict=True), "x", color=RED, ms=6, label="linear, not confirmed", zorder=3)
-        for direction, color in COLORS.items():
+            top.plot(*zip(*missed, strict=True), "x", color=PURPLE, ms=6, label="linear, not confirmed", zorder=3)
+        for direction, shade in CROSSINGS.items():
             if any(c.name == direction for _, cs in linear for c in cs):
-                top.plot([], [], "-", color=color, lw=0.8, label=f"{direction}{frozen}, linear model")
+                top.plot([], [], "-", color=shade, lw=0.8, label=f"{direction}{frozen}, linear model")
         if reference is not None:
             _published(top, reference, points[0].mach - 0.05, points[-1].mach + 0.05)
-        top.set_ylabel("flutter speed index $V_f = U/(b\\,\\omega_\\alpha\\sqrt{\\mu})$")
-        low.set_ylabel("$\\omega/\\omega_\\alpha$")
-        low.set_xlabel("Mach number")
-        top.set_title(f"Neutral $V_f${liquid}: growing above an onset, damped above a recovery")
+        top.set_ylabel(look.SPEED_INDEX)
+        low.set_ylabel(look.FREQUENCY)
+        low.set_xlabel(look.MACH)
+        span = " to ".join(dict.fromkeys(f"{p.mach:g}" for p in (points[0], points[-1])))
+        text = f"{LABEL[slosh]}, Mach {span}: neutral $V_f$; growing above an onset, damped above a recovery"
+        top.set_title(text, fontsize=10)
         top.margins(y=0.08)
         top.set_xlim(points[0].mach - 0.01, points[-1].mach + 0.01)
-        if top.get_legend_handles_labels()[0]:
-            top.legend(loc="best", fontsize=8)
+        plt.legend(figure, top)
         figure.savefig(path)
 
 

@@ -9,10 +9,11 @@ from matplotlib.ticker import FormatStrFormatter, NullFormatter
 
 from ..boundary import modes
 from ..boundary.search import BoundaryPoint
-from . import canvas
-from .march import BLUE, GREEN, GREY, RED, STYLE
+from ..case.fuel_tank import LABEL
+from . import canvas, look
+from .look import BLUE, GREY, ORANGE, PURPLE, SKY, STYLE
 
-COLORS = (BLUE, GREEN, RED, "#8c6bb1", "#b8860b")
+COLORS = (BLUE, ORANGE, PURPLE, SKY, "#8A6D00")
 WORST = 0.35  # growth rates drawn
 
 
@@ -48,10 +49,17 @@ def draw(point: BoundaryPoint, low: float, high: float, path: Path) -> None:
         bottom.set_xlim(low, high)
         bottom.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         bottom.xaxis.set_minor_formatter(FormatStrFormatter("%g") if high < 20.0 * low else NullFormatter())
-        top.set_ylabel("growth rate $\\sigma/\\omega_\\alpha$ (above 0: unstable)")
-        bottom.set_ylabel("frequency $\\omega/\\omega_\\alpha$")
-        bottom.set_xlabel("flutter speed index $V_f = U/(b\\,\\omega_\\alpha\\sqrt{\\mu})$")
-        top.set_title(f"Mach {point.mach:g}: " + (", ".join(names) if names else "no neutral $V_f$"))
+        top.set_ylabel(look.GROWTH + ", above 0: unstable")
+        bottom.set_ylabel(look.FREQUENCY)
+        bottom.set_xlabel(look.SPEED_INDEX)
+        top.set_title(f"{_model(point)}Mach {point.mach:g}: " + (", ".join(names) if names else "no neutral $V_f$"))
         if curves or dots:
-            top.legend(loc="best", fontsize=8)
+            canvas.legend(figure, top, columns=4)
         figure.savefig(path)
+
+
+def _model(point: BoundaryPoint) -> str:
+    """What the marches were made with, and what the linear model carries, where that is another."""
+    model = point.marches[0].slosh if point.marches else point.case.slosh.model if point.case is not None else "none"
+    carried = "; curves: frozen liquid" if point.linear is not None and model not in ("none", "frozen") else ""
+    return f"{LABEL[model]}{carried}, "

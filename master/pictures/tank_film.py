@@ -59,8 +59,8 @@ def animate(files: Sequence[Path], out: Path, fps: int = 20, pictures: Path | No
         raise AeroSloshError(f"--fps {fps}", "command line", f"{RATES[0]} to {RATES[1]} pictures a second")
     if out.suffix.lower() != ".gif":
         raise AeroSloshError(f"--out {out}", "command line", "a name that ends in .gif")
-    windows = _windows(np.array([_box(read(path)) for path in files]))
-    wide, high = np.diff(windows[0])[[0, 2]]
+    views = windows(np.array([box(read(path)) for path in files]))
+    wide, high = np.diff(views[0])[[0, 2]]
     figure, axes = canvas.subplots(figsize=(7.2, min(max(7.2 * high / wide, 1.5), 7.2) + 0.7), layout="constrained")
     writer = PillowWriter(fps=fps)
     for folder in (out.parent, pictures):
@@ -69,7 +69,7 @@ def animate(files: Sequence[Path], out: Path, fps: int = 20, pictures: Path | No
     written = [out]
     with base_files.part(out, ".gif") as hidden:  # its ending tells the writer what to write
         writer.setup(figure, str(hidden), dpi=90)
-        for path, window in zip(files, windows, strict=True):
+        for path, window in zip(files, views, strict=True):
             axes.clear()
             draw(axes, read(path), window, path.stem)
             writer.grab_frame()
@@ -95,7 +95,7 @@ def draw(axes: Axes, field: vtk.Field, window: np.ndarray, name: str) -> None:
         axes.plot([foot[0], tip[0]], [foot[1], tip[1]], color=EDGE, lw=2.0)
     time = field.whole.get("TimeValue", np.empty(0))
     axes.set_title(f"t = {time[0]:.4f} s" if time.size else name.replace("_", " "), fontsize=10)
-    axes.set(xlim=window[:2], ylim=window[2:], xlabel="$X$ [m]", ylabel="$Y$ [m]", aspect="equal")
+    axes.set(xlim=window[:2], ylim=window[2:], xlabel="aft $X$ [m]", ylabel="up $Y$ [m]", aspect="equal")
 
 
 def _picture(figure: Figure, path: Path) -> Path:
@@ -116,19 +116,20 @@ def _middle(nodes: np.ndarray) -> np.ndarray:
     return nodes
 
 
-def _box(field: vtk.Field) -> tuple[float, float, float, float]:
+def box(field: vtk.Field) -> tuple[float, float, float, float]:
+    """Left, right, bottom and top of the tank [m]."""
     return float(field.x.min()), float(field.x.max()), float(field.y.min()), float(field.y.max())
 
 
-def _windows(boxes: np.ndarray) -> np.ndarray:
+def windows(boxes: np.ndarray) -> np.ndarray:
     """Limits of x and y of each picture, all of one size, from the boxes around the tank, shapes (n, 4)."""
     sizes = np.stack([boxes[:, 1] - boxes[:, 0], boxes[:, 3] - boxes[:, 2]], axis=1).max(axis=0)
     whole = np.array([boxes[:, 0].min(), boxes[:, 1].max(), boxes[:, 2].min(), boxes[:, 3].max()])
     if whole[1] - whole[0] > FOLLOW * sizes[0] or whole[3] - whole[2] > FOLLOW * sizes.max():
         centre = np.stack([boxes[:, :2].mean(axis=1), boxes[:, 2:].mean(axis=1)], axis=1)
         low, high = centre - 0.5 * sizes, centre + 0.5 * sizes
-        windows = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1)
+        found = np.stack([low[:, 0], high[:, 0], low[:, 1], high[:, 1]], axis=1)
     else:
-        windows = np.tile(whole, (len(boxes), 1))
+        found = np.tile(whole, (len(boxes), 1))
     margin = 0.06 * sizes.max()
-    return windows + margin * np.array([-1.0, 1.0, -1.0, 1.0])
+    return found + margin * np.array([-1.0, 1.0, -1.0, 1.0])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 import time as clock
 
+from ..base.terminal import fitted
+
 EVERY = 10.0  # seconds between lines when standard error is no terminal
 
 
@@ -52,6 +54,7 @@ class SweepProgress:
             return
         self._shown, self._line = now, text
         if self._live:
+            text = fitted(text)
             self._width = max(self._width, len(text))
             print("\r" + text.ljust(self._width), end="\n" if not pending else "", file=sys.stderr, flush=True)
             self._width = self._width if pending else 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -191,3 +192,40 @@ def test_an_unconverged_start_is_refused(fmus: dict[str, Path]) -> None:
 def test_missing_fmus_name_the_remedy(tmp_path: Path) -> None:
     with pytest.raises(AeroSloshError, match="make fmus"):
         find_fmus(tmp_path)
+
+
+class _Seen:
+    """In place of `Fields`: the steps at which fields are asked for."""
+
+    def __init__(self, aero: object, folder: Path | None) -> None:
+        self.wanted, self.steps = True, [0]
+        _Seen.last = self
+
+    last: _Seen
+
+    def again(self, steps: Iterable[int]) -> None:
+        self.steps = list(steps)
+
+    def before(self, step: int) -> None:
+        assert step < min(self.steps, default=step + 1) or step <= max(self.steps)
+
+    def end(self, done: int, failed: bool) -> list[tuple[int, Path]]:
+        return []
+
+
+@pytest.mark.parametrize("V_f", [0.6, 2.0])
+def test_flow_fields_lie_a_quarter_of_the_mode_s_own_period_apart(
+    fmus: dict[str, Path], V_f: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = make_case(flutter__steps_per_cycle=200, flutter__free_cycles=6.0)
+    with FlutterSetup(case, fmus, MACH) as setup:
+        plain = flutter_march.march(setup, V_f)
+        monkeypatch.setattr(flutter_march, "Fields", _Seen)
+        watched = flutter_march.march(setup, V_f)
+    assert plain.fit is not None and watched.fit is not None
+    np.testing.assert_array_equal(plain.history["alpha"], watched.history["alpha"])  # what is looked at stays as it is
+    steps = _Seen.last.steps
+    assert steps[-1] == plain.tau.size - 1
+    quarter = 0.25 * 200 / plain.fit.frequency
+    assert np.diff(steps) == pytest.approx([quarter] * 3, abs=1.0 + 0.02 * quarter)
+    assert abs(plain.fit.frequency - 1.0) > 0.05  # else nothing was shown

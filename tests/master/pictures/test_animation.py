@@ -14,25 +14,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from aeroslosh.fmus.kit.vtk import structured_grid, turned
+from aeroslosh.fmus.kit.vtk import turned
 from aeroslosh.master.base import vtk
 from aeroslosh.master.base.errors import AeroSloshError
 from aeroslosh.master.pictures import tank_film
+from support.fields import tank
 from support.processes import called
-
-
-def tank(
-    folder: Path, number: int, angle: float = 0.0, aft: float = 0.0, time: float | None = None, cells: str = "volume_fraction"
-) -> Path:
-    """A tank of 0.4 x 0.2 m, liquid in its lower half, turned nose-up about its centre and moved aft."""
-    folder.mkdir(exist_ok=True)
-    x, y = np.meshgrid(np.linspace(-0.2, 0.2, 21), np.linspace(-0.1, 0.1, 11))
-    share = np.where(np.arange(10)[:, None] < 5, 1.0, 0.0) * np.ones(20)
-    place = np.array([aft, 0.0, 0.0])
-    fields = {"baffles": turned(np.array([0.05, 0.05]), np.array([-0.1, 0.04]), angle) + place}
-    if time is not None:
-        fields["TimeValue"] = np.array([time])
-    return structured_grid(folder / f"fields_{number:06d}.vts", turned(x, y, angle) + place, {cells: share}, fields)
 
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
@@ -99,7 +86,7 @@ def test_an_animation_has_a_frame_for_each_file(tmp_path: Path) -> None:
 
 def test_a_tank_that_travels_is_followed(tmp_path: Path) -> None:
     def windows(step: float) -> np.ndarray:
-        return tank_film._windows(np.array([tank_film._box(vtk.read(tank(tmp_path, n, aft=step * n))) for n in range(4)]))
+        return tank_film.windows(np.array([tank_film.box(vtk.read(tank(tmp_path, n, aft=step * n))) for n in range(4)]))
 
     near, far = windows(0.1), windows(1.0)
     np.testing.assert_array_equal(near, np.tile(near[0], (4, 1)))

@@ -98,7 +98,7 @@ def test_the_boundary_picture_marks_it(made_up: Marcher, monkeypatch: pytest.Mon
     labels: list[list[str]] = []
 
     def look(self: Figure, *_: object, **__: object) -> None:
-        labels.append([text.get_text() for text in self.axes[0].get_legend().get_texts()])
+        labels.append([text.get_text() for text in self.legends[0].get_texts()])
 
     monkeypatch.setattr(Figure, "savefig", look)
     for size in (0.5, 18.0):
