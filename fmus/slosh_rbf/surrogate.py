@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kit.compiled import jit
+from ..tank.faraday import Waves, grow, still, waves
 from ..tank.liquid import Tank
 from .body import Body, base_load, body, from_load, to_load
-from .gate import EDGE_GROWTH, EDGE_UNEVEN, Waves, grow, still, uneven, waves
+from .gate import EDGE_GROWTH, EDGE_UNEVEN, uneven
 from .memory import GAMMA, MODES, Array, Complex, Memory, Place, Step, drive, remember
 from .network import Network, NetworkError, Weights, read_out
 from .readout import EVEN, ODD, SPACE, features
@@ -198,7 +199,7 @@ def _advance(
     before, after = np.empty(5), np.empty(5)
     drive(start, place, before)
     drive(end, place, after)
-    out[5] = grow(grown, before, after, step.duration, waves)
+    out[5] = grow(grown, before[GAMMA], after[GAMMA], step.duration, waves)
     new = remember(w, start, end, step, place)
     _answer(new, end, place, body, net, reach, out)
     return new

@@ -18,10 +18,10 @@ from ..kit.interfaces import (
 from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import Variable, input_, output, parameter
-from ..tank import plausible
+from ..tank import faraday, plausible
 from ..tank.frozen import Load, constants, residual_load
 from ..tank.liquid import Tank, TankError
-from ..tank.motion import SectionMotion
+from ..tank.motion import SectionMotion, body_force
 from . import instruments, vtk
 from .flow import Flow, FlowError, Fluids, Numerics, StepReport
 from .grid import Baffles, Grid, GridError
@@ -93,6 +93,7 @@ class SloshVof(Slave):
  *instruments.outputs(SOLVED, SURFACE),
         output("work", "J/m", "Work of liquid and gas on the tank since the start; negative: taken out of its motion",
                quantity="EnergyPerLength"),
+        output("wave_growth", "1", "Logarithm of the growth of waves that gravity's changes feed (Faraday), by linear theory"),
         output("time_step", "s", "Last internal step (0 at the start)", quantity="Time"),
         output("steps", "", "Internal steps of the last communication step", type=int),
         output("iterations", "", "Iterations of the pressure in them", type=int, depends=SOLVED),
@@ -122,6 +123,7 @@ class SloshVof(Slave):
             self.flow = Flow(grid, fluids, numerics, instruments.probes(self.__dict__), self.probe_window)
         except (TankError, GridError, FlowError) as error:
             raise StepError(str(error)) from error
+        self.faraday = faraday.waves(self.tank, self.liquid_viscosity)
         self.instrumented = self.probe_count + self.gauge_count > 0
         weight = self.gas_density * (self.tank_height - self.tank.depth) * self.tank_length * self.tank_width * self.gravity
         self.gas = Load(0.0, -weight, weight * self.tank_x)  # at rest
@@ -141,6 +143,7 @@ class SloshVof(Slave):
             raise StepError(str(error)) from error
         self._publish(self.flow.start_from(level, self.motion))
         self.work, self.power = 0.0, self._power()
+        self.wave_growth, self.waves = 0.0, faraday.still()
         self._write(self.time)
 
     def step(self, time: float, step_size: float) -> None:
@@ -150,6 +153,8 @@ class SloshVof(Slave):
             report = self.flow.advance(self.motion, end, step_size)
         except FlowError as error:
             raise StepError(str(error)) from error
+        before, after = self._uneven(self.motion), self._uneven(end)
+        self.wave_growth = float(faraday.grow(self.waves, before, after, step_size, self.faraday))
         self.motion, self.count = end, self.count + 1
         self._publish(report)
         before, self.power = self.power, self._power()
@@ -158,18 +163,23 @@ class SloshVof(Slave):
 
     def save(self) -> dict[str, Any]:
         """Flow, motion at its time and the number of communication steps."""
-        return {"flow": self.flow.save(), "motion": list(self.motion), "count": self.count, "power": self.power}
+        return {"flow": self.flow.save(), "motion": list(self.motion), "count": self.count, "power": self.power,
+                "waves": self.waves.copy()}  # fmt: skip
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take them back."""
         self.flow.restore(snapshot["flow"])
         self.motion, self.count = SectionMotion(*snapshot["motion"]), snapshot["count"]
-        self.power = snapshot["power"]
+        self.power, self.waves = snapshot["power"], snapshot["waves"].copy()
 
     def _power(self) -> float:
         """Of the loads on the tank in its motion [W/m]."""
         m = self.motion
         return float(self.force_x * m.x_dot - self.force_y * m.h_dot + self.moment * m.alpha_dot)
+
+    def _uneven(self, motion: SectionMotion) -> float:
+        """The change of gravity that the liquid's centre feels, over gravity."""
+        return -body_force(motion, self.tank.x, self.tank.centre_y, self.gravity)[1] / self.gravity - 1.0
 
     def _motion(self) -> SectionMotion:
         return SectionMotion(*(getattr(self, name) for name in INPUTS))

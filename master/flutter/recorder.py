@@ -29,6 +29,7 @@ REALS = {  # history channel: (component, output, unit, long name)
     "slosh_moment_residual": ("slosh", "moment_residual", "N", "slosh_moment less that of the frozen liquid"),
     "wave_height_west": ("slosh", "wave_height_west", "m", "surface above its level at rest at the fore wall"),
     "wave_height_east": ("slosh", "wave_height_east", "m", "surface above its level at rest at the aft wall"),
+    "slosh_wave_growth": ("slosh", "wave_growth", "1", "logarithm of the growth of waves that gravity's changes feed (Faraday)"),
     "slosh_validity": ("slosh", "validity", "1", "above 1 the slosh model does not hold (largest since the start)"),
 }
 

@@ -15,7 +15,7 @@ from ..boundary.search import BoundaryPoint
 from ..case.fuel_tank import LABEL, broken, holds
 from ..flutter.coarse_marches import PARTS, Change
 from ..flutter.march import March
-from . import by_value, trust
+from . import by_value, trust, wave_growth
 
 
 def number(value: float | None) -> float | None:
@@ -59,6 +59,7 @@ def march_data(march: March, steady_cpu: float | None = None, change: Change | N
         "fit_forecast": number(fit.forecast) if fit else None,
         "uncertainty_parts": (fit.contributions if fit else {}) | change.growth_rate,
         "uncertainty_missing": list(change.missing),
+        "waves": wave_growth.of_march(march),
         "ensemble": march.ensemble.as_data() if march.ensemble is not None else None,
         "omega_alpha": s.omega_alpha,
         "speed": s.speed,
@@ -208,6 +209,7 @@ def march_summary(data: dict[str, Any]) -> str:
         missed = f"missed {100 * data['fit_residual']:.2g} %, forecast of the last part off by {forecast}"
         lines.append(f"  rests on     {poles} over {data['free_cycles']:.3g} free cycles; {missed}")
     lines += by_value.march_lines(data["by_value"], data["slosh"] != "none")
+    lines += wave_growth.lines(data)
     if data["static_stiffness"] is not None:
         lines.append(f"  statics      the steady flow leaves {100 * data['static_stiffness']:.3g} % of the pitch stiffness")
     for kind, count in data["unconverged_steps"].items():

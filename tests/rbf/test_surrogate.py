@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from aeroslosh.fmus.slosh_ems.linear import LinearSlosh
-from aeroslosh.fmus.slosh_rbf import gate
 from aeroslosh.fmus.slosh_rbf.body import from_load, to_load
 from aeroslosh.fmus.slosh_rbf.memory import MODES, SECOND, Memory
 from aeroslosh.fmus.slosh_rbf.network import Network, NetworkError, Weights, load, untrained
@@ -233,23 +232,6 @@ def test_a_network_in_a_file(tmp_path: Path) -> None:
             load(tmp_path / "odd.npz")
     with pytest.raises(NetworkError, match="cannot be read"):
         load(tmp_path / "none.npz")
-
-
-def test_faraday_waves_grow_as_mathieu_says() -> None:
-    """Gravity changed by eps at twice a wave's frequency: the growing one of two solutions, half of the seed, grows by
-    eps omega/4 − zeta omega (to first order in eps)."""
-    waves = gate.waves(TANK, 1e-6)
-    j, eps, dt = 5, 0.1, 1e-3
-    state, largest = gate.still(), 0.0
-    for k in range(8000):
-        rows = [np.array([0.0, eps * np.cos(2.0 * waves.omega[j] * t), 0.0, 0.0, 0.0]) for t in (k * dt, (k + 1) * dt)]
-        largest = gate.grow(state, *rows, dt, waves)
-    expected = 8.0 * waves.omega[j] * (eps / 4.0 - waves.damping[j]) - 0.5 * np.log(2.0)
-    assert largest == pytest.approx(expected, rel=0.02)
-    quiet = gate.still()
-    for _ in range(1000):
-        largest = gate.grow(quiet, np.zeros(5), np.zeros(5), dt, waves)
-    assert largest < 0.5  # a seed is a seed
 
 
 def test_a_table_holds_what_the_base_leaves() -> None:
