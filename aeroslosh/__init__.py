@@ -6,6 +6,7 @@
     ae.point(case, V_f=0.9)                                 # verdict, growth rate, history as an xarray.Dataset
     ae.boundary(case, mach=[0.7, 0.8]).crossings            # neutral V_f as a DataFrame
     ae.sweep(case, {"flutter.V_f": [0.8, 0.9, 1.0]})        # an xarray.Dataset over the swept keys
+    ae.amplitude(case, V_f=[0.9, 1.0])                      # limit cycles and damping over amplitude
     ae.open("runs/map")                                     # any run or sweep folder, again as these objects
     ae.report("runs/map")                                   # the same as one HTML page that can be sent
     ae.simulate("slosh_vof", {"time": t, "x": x})           # one FMU
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .master.analysis.verdict import Verdict
+    from .master.api.amplitude import Amplitude, amplitude
     from .master.api.boundary import Boundary, boundary
     from .master.api.case import Case
     from .master.api.opened import open_run as open
@@ -31,11 +33,12 @@ if TYPE_CHECKING:
     from .master.base.errors import AeroSloshError, ComponentError
 
 __all__ = [
-    "AeroSloshError", "Boundary", "Cancelled", "Case", "ComponentError", "Point", "System", "Update", "Verdict", "__version__",
-    "boundary", "open", "point", "report", "simulate", "sweep",
+    "AeroSloshError", "Amplitude", "Boundary", "Cancelled", "Case", "ComponentError", "Point", "System", "Update", "Verdict", "__version__",
+    "amplitude", "boundary", "open", "point", "report", "simulate", "sweep",
 ]  # fmt: skip
 _PLACES = {
     "AeroSloshError": ("base.errors", "AeroSloshError"),
+    "Amplitude": ("api.amplitude", "Amplitude"),
     "Boundary": ("api.boundary", "Boundary"),
     "Cancelled": ("api.progress", "Cancelled"),
     "Case": ("api.case", "Case"),
@@ -44,6 +47,7 @@ _PLACES = {
     "System": ("api.simulate", "System"),
     "Update": ("api.progress", "Update"),
     "Verdict": ("analysis.verdict", "Verdict"),
+    "amplitude": ("api.amplitude", "amplitude"),
     "boundary": ("api.boundary", "boundary"),
     "open": ("api.opened", "open_run"),
     "point": ("api.point", "point"),

@@ -5,6 +5,7 @@ HELP = {
     "init": "write a case to fill in: every key with its meaning, unit, range and default",
     "point": "march one Mach number and V_f: does it flutter?",
     "boundary": "find the neutral V_f of the case's Mach numbers",
+    "amplitude": "which motions at a V_f grow, which decay: damping over amplitude, limit cycles and their stability",
     "sweep": "compute many points or boundaries of a case: grids, lists, Latin hypercubes over any key; resumable",
     "run": "run any system of FMUs, described in a system file",
     "drive": "drive one FMU alone with a table of its inputs",

@@ -91,3 +91,10 @@ def _srgb(lab: np.ndarray) -> np.ndarray:
     )
     linear = np.clip(xyz @ to_rgb.T, 0.0, None)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+
+
+def even(n: int) -> list[Any]:
+    """`n` colours of the even map, its lightest end left out: it does not show on white."""
+    import matplotlib
+
+    return [matplotlib.colormaps[EVEN](float(x)) for x in np.linspace(0.0, 0.85, max(1, n))]
