@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from .master.base.errors import AeroSloshError, ComponentError
 
 __all__ = [
-    "AeroSloshError", "Amplitude", "Boundary", "Cancelled", "Case", "ComponentError", "Point", "System", "Update", "Verdict", "__version__",
-    "amplitude", "boundary", "open", "point", "report", "simulate", "sweep",
+    "AeroSloshError", "Amplitude", "Boundary", "Cancelled", "Case", "ComponentError", "Point", "System", "Update", "Verdict",
+    "__version__", "amplitude", "boundary", "open", "point", "report", "simulate", "sweep",
 ]  # fmt: skip
 _PLACES = {
     "AeroSloshError": ("base.errors", "AeroSloshError"),

@@ -7,6 +7,7 @@ amplitude there is a stable limit cycle, where it rises through zero an unstable
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ import numpy as np
 
 SKIPPED = 1.5  # periods after the release that still hold other modes
 BIN = 0.12  # of ln amplitude
+SURE, QUIET = 3.0, 1e-5  # standard errors, and growth rate over omega_alpha, above which a rate has a sign
+LAST, SETTLED = 8, 0.01  # windows over which a settled motion's amplitude stays within this share
 FEWEST = 5  # windows without which a motion tells nothing
 
 
@@ -71,23 +74,39 @@ def curve(found: Sequence[Envelope]) -> tuple[np.ndarray, np.ndarray, np.ndarray
     rows = []
     for b in np.unique(bins):
         inside = rate[bins == b]
-        spread = 1.4826 * float(np.median(np.abs(inside - np.median(inside))))
-        rows.append(
-            (math.exp(float(np.mean(np.log(amplitude[bins == b])))), float(np.median(inside)), spread / math.sqrt(inside.size))
-        )
+        middle, size = float(np.median(inside)), math.exp(float(np.mean(np.log(amplitude[bins == b]))))
+        spread = 1.4826 * float(np.median(np.abs(inside - middle)))
+        rows.append((size, middle, spread / math.sqrt(inside.size)))
     return tuple(np.array(column) for column in zip(*rows, strict=True))  # type: ignore[return-value]
 
 
 def cycles(found: Sequence[Envelope]) -> list[Cycle]:
-    """The limit cycles that the motions `found` show, by rising amplitude. A motion that has settled on one shows it alone."""
+    """The limit cycles that the motions `found` show, by rising amplitude: where the rate changes its sign, and where a motion
+    has settled."""
     amplitude, rate, error = curve(found)
+    sure = np.flatnonzero(np.abs(rate) > np.maximum(SURE * error, QUIET))
     result: list[Cycle] = []
-    for i in range(amplitude.size - 1):
-        if rate[i] == 0.0 or rate[i] * rate[i + 1] > 0.0:
+    for i, j in itertools.pairwise(sure):
+        if rate[i] * rate[j] > 0.0:
             continue
-        x, y = np.log(amplitude[i : i + 2]), rate[i : i + 2]
+        x, y = np.log(amplitude[[i, j]]), rate[[i, j]]
         slope = float((y[1] - y[0]) / (x[1] - x[0]))
-        place = math.exp(float(x[0] - y[0] / slope))
-        doubt = max(float(np.max(error[i : i + 2])) / abs(slope), 0.25 * float(x[1] - x[0]))
-        result.append(Cycle(place, place * doubt, slope < 0.0, slope))
-    return result
+        between = np.log(amplitude[i + 1 : j])  # bins in which nothing grows or decays
+        place = float(np.mean(between)) if between.size else float(x[0] - y[0] / slope)
+        doubt = max(float(np.max(error[[i, j]])) / abs(slope), 0.25 * float(x[1] - x[0]))
+        result.append(Cycle(math.exp(place), math.exp(place) * doubt, slope < 0.0, slope))
+    for e in found:
+        size = _settled(e)
+        if size and all(abs(math.log(c.amplitude / size)) > 2.0 * BIN for c in result):
+            last = np.log(e.amplitude)
+            slope = float((e.rate[-1] - e.rate[0]) / (last[-1] - last[0])) if last[-1] != last[0] else 0.0
+            result.append(Cycle(size, 0.5 * float(np.ptp(e.amplitude[-LAST:])) + SETTLED * size, True, slope))
+    return sorted(result, key=lambda c: c.amplitude)
+
+
+def _settled(e: Envelope) -> float:
+    """The amplitude at which a motion stays after it had come from another one; 0 else."""
+    if e.amplitude.size < 2 * LAST or float(np.ptp(np.log(e.amplitude[-LAST:]))) > SETTLED:
+        return 0.0
+    size = float(np.mean(e.amplitude[-LAST:]))
+    return size if abs(math.log(size / e.amplitude[0])) > BIN else 0.0

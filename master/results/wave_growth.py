@@ -50,7 +50,7 @@ def lines(data: dict[str, Any]) -> list[str]:
     if waves["in_time"]:
         return [f"  waves        fed by gravity's changes at the tank, large from free cycle {after} on"]
     return [
-        f"  waves        fed by gravity's changes at the tank grow by {waves['rate']:.2g} 1/s: large from about free cycle {after} on",
+        f"  waves        grow by {waves['rate']:.2g} 1/s, fed by gravity's changes at the tank: large from free cycle {after} on",
         f"  warning: this march ends after {data['free_cycles']:.3g}: it does not tell what the fuel does then "
         f"(flutter.free_cycles = {after + 10})",
     ]

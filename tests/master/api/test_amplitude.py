@@ -1,4 +1,4 @@
-"""`ae.amplitude` and `aeroslosh amplitude` on the thin-airfoil double, which is linear: rates of its eigenvalues, no limit cycle."""
+"""`ae.amplitude` and `aeroslosh amplitude` on the thin-airfoil double, which is linear: its eigenvalues, no limit cycle."""
 
 from __future__ import annotations
 
