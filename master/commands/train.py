@@ -21,7 +21,7 @@ from ..training import case as training_case
 from ..training import report as training_report
 from ..training import tank_records
 from ..training.case import TrainingCase
-from . import HELP, common
+from . import HELP, common, train_violent
 
 CALM = 0.75  # D: well below where gravity vanishes anywhere on the surface
 QUICK = (
@@ -60,6 +60,8 @@ def execute(options: argparse.Namespace) -> int:
 
     installed.ensure(options.fmus)
     case = training_case.load(options.case, [*(QUICK if options.quick else ()), *options.set])
+    if case.violent.train:
+        return train_violent.execute(case, options)
     if case.training.tuning and not _has_torch():
         raise AeroSloshError(
             "training.tuning needs torch, which is not installed",
