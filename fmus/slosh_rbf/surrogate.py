@@ -14,10 +14,13 @@ from .gate import EDGE_GROWTH, EDGE_UNEVEN, Waves, grow, still, uneven, waves
 from .memory import GAMMA, MODES, Array, Complex, Memory, Place, Step, drive, remember
 from .network import Network, NetworkError, Weights, read_out
 from .readout import EVEN, ODD, SPACE, features
+from .violent_memory import BEGIN
 
 NO_LAGS: Array = np.zeros(0)
 MOST_TURNS = 1e6
 """Most radians of the fastest wave watched in one step: about a second of work."""
+INSIDE = 0.01
+"""Least distance to its training data that a violent branch tells: where it speaks, loads do not hold pointwise."""
 SAME_SHAPE = 0.02
 """Relative difference of depth over length up to which a network holds: first-mode frequencies then differ by 1 %."""
 
@@ -39,13 +42,14 @@ class Answer(NamedTuple):
 
     @property
     def validity(self) -> float:
-        """Up to 1 the loads hold pointwise. Above, the surface breaks, waves grow of themselves, or nothing like it was trained on:
-        the model does not hold, but with a violent branch, which tells the mean of a broken surface: from 1 to 2 that holds."""
+        """Up to 1 the loads hold pointwise. Above, the surface breaks, waves grow of themselves, or nothing like it was trained
+        on: the model does not hold, but with a violent branch, which tells the mean of a broken surface: from 1 to 2 that
+        holds."""
         pointwise = max(self.uneven / EDGE_UNEVEN, self.growth / EDGE_GROWTH, self.extrapolation)
         if pointwise <= 1.0 or self.beyond < 0.0:
             return pointwise
-        # waves that grow of themselves below break-up, or slow large motions, are in neither training
-        return 1.0 + (self.beyond if self.uneven > EDGE_UNEVEN else max(self.growth / EDGE_GROWTH, self.extrapolation))
+        # waves that grow of themselves where gravity never vanishes, or slow large motions, are in neither training
+        return 1.0 + (max(self.beyond, INSIDE) if self.uneven > BEGIN else max(self.growth / EDGE_GROWTH, self.extrapolation))
 
 
 class State(NamedTuple):

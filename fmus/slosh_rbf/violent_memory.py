@@ -10,9 +10,10 @@ between surface and roof:
     y'' = −u/gap − k |y'| y', 0 ≤ y ≤ 1          slugs between floor and roof (y in gaps), five drags k, stopped at both
 
 A steady oscillation without memory would do for its first harmonic; the onset, which decides a flutter march, needs clock and
-waves. A surface counts as broken (`share`) where gravity has vanished somewhere, D from 1 to 2 (the largest so far, forgotten with
-FADE), and waves have grown, the logarithm of their energy from −6 to −4: before, all records have the loads of a whole surface.
-All are bounded for a bounded motion: v leaks, envelopes are means, the clock forgets, waves are cut, slugs are between walls.
+waves. A surface counts as broken (`share`) where gravity has vanished somewhere, D from 1 to 2 (the largest so far, forgotten
+with FADE), and waves have grown, the logarithm of their energy from −6 to −4: before, all records have the loads of a whole
+surface. All are bounded for a bounded motion: v leaks, envelopes are means, the clock forgets, waves are cut, slugs are between
+walls.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ FORGET = 0.05
 STEEP = 0.5
 FADE = 20.0
 SEED = 1e-4
-"""Acceleration [g] that drives every wave besides the motion: a pure plunge stirs none of itself, a real surface is never level."""
+"""Acceleration [g] that drives every wave besides the motion: a pure plunge stirs none of itself, a real surface is never
+level."""
 PIECE = 5e-3
 """Longest piece of a step [sqrt(l/g)], 1.1 ms for half a metre: slugs meet walls within it."""
 FLOOR = 0.02
@@ -104,7 +106,7 @@ def follow(state: Array, start: Array, end: Array, duration: float, place: Place
     drive(moment, place, rows[1])
     drive(end, place, rows[2])
     whole = duration / basin.unit
-    pieces = max(1, int(math.ceil(whole / PIECE - 1e-9)))
+    pieces = max(1, math.ceil(whole / PIECE - 1e-9))
     dt = whole / pieces
     leak, smooth = math.exp(-dt / HOLD), 1.0 - math.exp(-dt / SMOOTH)
     fade = math.exp(-whole / FADE)

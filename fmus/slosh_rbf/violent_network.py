@@ -2,10 +2,10 @@
 
     r/Q = sum_j g_j(z) sum_k W_jk b_k,     g_j = exp(−|z − c_j|²/(2 s²)) / sum_i exp(−|z − c_i|²/(2 s²))
 
-r: over m_T g; z: coordinates of the motion (violent_memory.tell) and the fill, b: its phase and slugs. Normalised Gaussians (Moody
-and Darken, Neural Comput. 1 (1989) 281, doi:10.1162/neco.1989.1.2.281) are weights between 0 and 1 that sum to one: far from all
-centres the nearest one's rule holds. What comes out is the mean of a chaotic flow; the deviation of a single run from it is of
-the size Q sum_j g_j N_j, with N_j from records that were not trained on, and lasts `memory`.
+r: over m_T g; z: coordinates of the motion (violent_memory.tell) and the fill, b: its phase and slugs. Normalised Gaussians
+(Moody and Darken, Neural Comput. 1 (1989) 281, doi:10.1162/neco.1989.1.2.281) are weights between 0 and 1 that sum to one: far
+from all centres the nearest one's rule holds. What comes out is the mean of a chaotic flow; the deviation of a single run from
+it is of the size Q sum_j g_j N_j, with N_j from records that were not trained on, and lasts `memory`.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ KIND = "violent"
 WIDTH = SPACE + 1
 SAME_ROOM = 0.02
 """Relative difference of height over length up to which a tank is of the trained shape."""
+RULES = 0.5
+"""Share of the branch from where its distance to the training data counts."""
 MARGIN = 0.01
 """How far beyond the trained fills a tank may be filled."""
 
@@ -87,17 +89,26 @@ def load(path: Path) -> Violent:
         text = json.loads(arrays.pop("text").tobytes())
         if (text.pop("format"), text.pop("kind")) != (FORMAT, KIND):
             raise ValueError("another kind or format")
-        scalars = {name: float(arrays.pop(name)) for name in ("sharpness", "limit")}
-        weights = ViolentWeights(**arrays, **scalars)
+        sharpness, limit = float(arrays.pop("sharpness")), float(arrays.pop("limit"))
+        weights = ViolentWeights(**arrays, sharpness=sharpness, limit=limit)
         branch = Violent(weights=weights, **{**text, "fills": tuple(text["fills"])})
     except Exception as error:  # numpy, json and zipfile raise a dozen kinds
         raise NetworkError(f"{path.name} is no violent branch: {error}. Remedy: give a file that `train` wrote") from None
     m = len(weights.noise)
-    wanted = {"shift": (WIDTH,), "scale": (WIDTH,), "centres": (m, WIDTH), "weights": (m, BASIS), "low": (WIDTH,), "high": (WIDTH,)}
+    wanted = {
+        "shift": (WIDTH,),
+        "scale": (WIDTH,),
+        "centres": (m, WIDTH),
+        "weights": (m, BASIS),
+        "low": (WIDTH,),
+        "high": (WIDTH,),
+    }
     fits = m > 0 and all(getattr(weights, name).shape == shape for name, shape in wanted.items())
     if not fits or not all(np.isfinite(value).all() for value in weights):
         raise NetworkError(f"{path.name}: arrays do not fit or are not finite. Remedy: train it again")
-    sound = np.all(weights.scale > 0.0) and weights.sharpness > 0.0 and weights.limit >= 0.0 and np.all(weights.high > weights.low)
+    sound = (
+        np.all(weights.scale > 0.0) and weights.sharpness > 0.0 and weights.limit >= 0.0 and np.all(weights.high > weights.low)
+    )
     if not sound or not branch.room > 0.0 or not branch.memory > 0.0 or not 0.0 < branch.fills[0] <= branch.fills[1] < 1.0:
         raise NetworkError(f"{path.name}: scale, limit, range, fills or room make no sense. Remedy: train it again")
     return branch
@@ -105,8 +116,8 @@ def load(path: Path) -> Violent:
 
 @jit
 def lift(state: Array, p: float, fill: float, basin: Basin, net: ViolentWeights, out: Array) -> None:
-    """out (4,): r over m_T g, its deviation over m_T g, distance to the training data (1 at their edge), share of the branch; zeros
-    where it has none.
+    """out (4,): r over m_T g, its deviation over m_T g, distance to the training data (1 at their edge), share of the branch;
+    zeros where it has none.
 
     state: violent_memory; p: g_n/g − 1 at this instant."""
     z, basis = np.empty(WIDTH), np.empty(BASIS)
@@ -120,7 +131,8 @@ def lift(state: Array, p: float, fill: float, basin: Basin, net: ViolentWeights,
     for k in range(WIDTH):
         z[k] = (z[k] - net.shift[k]) / net.scale[k]
         half = 0.5 * (net.high[k] - net.low[k])
-        beyond = max(beyond, abs(z[k] - 0.5 * (net.high[k] + net.low[k])) / half)
+        if out[3] >= RULES:
+            beyond = max(beyond, abs(z[k] - 0.5 * (net.high[k] + net.low[k])) / half)
         z[k] = min(max(z[k], net.low[k]), net.high[k])  # beyond the data their edge holds
     sharp = 0.5 * net.sharpness * net.sharpness
     count = net.noise.size

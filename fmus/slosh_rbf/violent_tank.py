@@ -26,9 +26,9 @@ def calm_part(network: Network, tank: Tank) -> Network:
 
 
 class ViolentSurrogate:
-    """`network` for a whole surface and `branch` for a broken one in `tank`, with the viscosity [m2/s] of the liquid and the density
-    [kg/m3] of the gas. The tank must be one that the branch knows (`Violent.knows`); raises NetworkError where the network does
-    not know its height."""
+    """`network` for a whole surface and `branch` for a broken one in `tank`, with the viscosity [m2/s] of the liquid and the
+    density [kg/m3] of the gas. The tank must be one that the branch knows (`Violent.knows`); raises NetworkError where the
+    network does not know its height."""
 
     def __init__(self, network: Network, branch: Violent, tank: Tank, viscosity: float, gas_density: float) -> None:
         self.calm = Surrogate(calm_part(network, tank), tank, viscosity, gas_density)
@@ -58,8 +58,8 @@ class ViolentSurrogate:
             return replace_answer(calm, 0.0, 0.0, beyond)
         broken = to_load(out, self.tank, tilt)
         loads = [a + share * (b - a) for a, b in zip(calm[:3], broken, strict=True)]
-        return replace_answer(calm._replace(force_x=loads[0], force_y=loads[1], moment=loads[2]), share, share * weight * float(out[4]),
-                              max(beyond, float(out[5])))  # fmt: skip
+        mixed = calm._replace(force_x=loads[0], force_y=loads[1], moment=loads[2])
+        return replace_answer(mixed, share, share * weight * float(out[4]), max(beyond, float(out[5])))
 
     def effective_gravity(self, motion: Array) -> float:
         """What holds the liquid down at its centre, along the tank's y' [m/s2]."""
@@ -92,8 +92,9 @@ def replace_answer(answer: Answer, share: float, deviation: float, beyond: float
 def _tell(
     thrown: Array, motion: Array, place: Place, basin: Basin, net: ViolentWeights, fixed: tuple[float, float, float], out: Array
 ) -> None:
-    """out (6,): load (3,) in tank axes over m_T g and m_T g l, share of the branch, deviation of the force up over m_T g, distance to
-    the training data; zeros where the branch has no share. fixed: fill, mass of the gas, inertia of the frozen liquid."""
+    """out (6,): load (3,) in tank axes over m_T g and m_T g l, share of the branch, deviation of the force up over m_T g,
+    distance to the training data; zeros where the branch has no share. fixed: fill, mass of the gas, inertia of the frozen
+    liquid."""
     out[:] = 0.0
     if thrown[UNEVEN] <= BEGIN:
         return

@@ -48,7 +48,7 @@ def execute(case: TrainingCase, options: argparse.Namespace) -> int:
             raise AeroSloshError(what, rest.strip(), "", ExitCode.COMPONENT) from None
         report |= {
             "fit_cpu_s": clock.process_time() - start,
-            "records_cpu_s": sum(float(r.attributes.get("cpu_s", 0.0)) for r in found),  # type: ignore[arg-type]
+            "records_cpu_s": sum(float(r.attributes.get("cpu_s", 0.0)) for r in found),
             "simulated_s": sum(float(r.motion.times[-1]) for r in found),
             "records": len(found),
         }

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base import vtk
 from ..base.wording import plus_minus
-from ..case.fuel_tank import LABEL, holds
+from ..case.fuel_tank import LABEL
 from ..flutter.march import March
 from ..results import trust
 from . import canvas as plt
@@ -38,7 +38,7 @@ def headline(march: March) -> str:
     s, fit = march.scales, march.fit
     liquid = f", {LABEL[march.slosh]}" if march.slosh != "none" else ""
     text = f"Mach {s.mach:g}, $V_f$ = {s.V_f:.4g}{liquid}: {trust.verdict(march)}"
-    if not holds(trust.validity(march)):
+    if not trust.stands(march):
         text += f" (slosh model does not hold; the motion: {march.verdict})\n"
     if fit is None:
         return text

@@ -124,7 +124,9 @@ def _check_violent(case: TrainingCase, given: set[str], path: Path) -> None:
         raise AeroSloshError(f"{idle[0]} has no effect on a violent training", str(path), "leave it out; fills are violent.fills")
     fills = case.violent.fills
     if len(fills) != 2 or not fills[0] < fills[1]:
-        raise AeroSloshError(f"violent.fills = {fills}", str(path), "give the least and the largest fill, for instance [0.3, 0.7]")
+        raise AeroSloshError(
+            f"violent.fills = {fills}", str(path), "give the least and the largest fill, for instance [0.3, 0.7]"
+        )
     for name in ("test_fills", "centres", "spreads", "ridges"):
         if not getattr(case.violent, name):
             raise AeroSloshError(f"violent.{name} is empty", str(path), "give at least one value")

@@ -12,7 +12,13 @@ HEAD = "| records | R2 of the force | loss factor, rms error | bias | cycles |\n
 def table(splits: Mapping[str, Any]) -> str:
     """A line a split: what the force and the loss factors of cycles are worth."""
     return "\n".join(
-        [HEAD, *(f"| {n} | {s['R2']:.3f} | {s['loss_rms']:.4f} | {s['loss_bias']:+.4f} | {s['cycles']} |" for n, s in splits.items())]
+        [
+            HEAD,
+            *(
+                f"| {n} | {s['R2']:.3f} | {s['loss_rms']:.4f} | {s['loss_bias']:+.4f} | {s['cycles']} |"
+                for n, s in splits.items()
+            ),
+        ]
     )
 
 
@@ -38,8 +44,8 @@ def write(path: Path, name: str, report: Mapping[str, Any]) -> str:
 {report["records"]} records, {report["simulated_s"]:.0f} s simulated, {report["records_cpu_s"]:.0f} s CPU; training \
 {report["fit_cpu_s"]:.0f} s CPU.
 
-Loss factor of a cycle: the work that the liquid takes out of it over pi m a X (amplitudes of acceleration and displacement; cycles
-of 1 g and more). R2: of the force up over (Q + 0.3 g). Twins: the same tests from a motion that differs by 1e-5.
+Loss factor of a cycle: the work that the liquid takes out of it over pi m a X (amplitudes of acceleration and displacement;
+cycles of 1 g and more). R2: of the force up over (Q + 0.3 g). Twins: the same tests from a motion that differs by 1e-5.
 
 {table(splits)}
 

@@ -7,6 +7,7 @@ force gives away work, and work is what decides flutter.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -30,15 +31,16 @@ LEAST = 1.0
 """Least amplitude of acceleration [g] of a cycle whose loss factor counts."""
 HEADROOM = 1.2  # loads are clipped at this times the largest |r|/Q of the training data's 99.9 %
 SWEEPS, POINTS = 15, 8000  # of k-means
+EDGE = 0.05  # share of the range of the training data that counts as their edge
 SURE = 0.1  # share from which deviations are counted
 KEPT = 20  # samples of a broken surface, of which centres are made: every so many
 
 
 @dataclass(frozen=True)
 class Settings:
-    """centres: number of Gaussians; spread: in units of the mean distance of neighbouring centres; ridges: tried on the weights, over
-    the mean square of what they multiply; work: weight of a cycle against a sample; thin: every so many samples are used; seed: of
-    k-means and sampling."""
+    """centres: number of Gaussians; spread: in units of the mean distance of neighbouring centres; ridges: tried on the weights,
+    over the mean square of what they multiply; work: weight of a cycle against a sample; thin: every so many samples are used;
+    seed: of k-means and sampling."""
 
     centres: int = 100
     spread: float = 1.4
@@ -59,8 +61,8 @@ class Cycle(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A record as the branch sees it, n samples: coordinates (n, WIDTH), what is read out (n, BASIS), Q, p, share of the branch, r
-    over m_T g (n,), the tank's velocity up [m/s], cycles, step [s], tank."""
+    """A record as the branch sees it, n samples: coordinates (n, WIDTH), what is read out (n, BASIS), Q, p, share of the branch,
+    r over m_T g (n,), the tank's velocity up [m/s], cycles, step [s], tank."""
 
     name: str
     space: Array
@@ -99,8 +101,8 @@ def loss(table: Table, r: Array) -> Array:
 
 
 def fit(tables: Sequence[Table], settings: Settings) -> list[ViolentWeights]:
-    """Centres and weights for each ridge; the noise is nought (`noise`). Raises ValueError where fewer samples than centres are of a
-    broken surface."""
+    """Centres and weights for each ridge; the noise is nought (`noise`). Raises ValueError where fewer samples than centres are
+    of a broken surface."""
     random = np.random.default_rng(settings.seed)
     space = np.concatenate([t.space[t.share > 0.0][::KEPT] for t in tables])
     if len(space) < settings.centres:
@@ -108,13 +110,16 @@ def fit(tables: Sequence[Table], settings: Settings) -> list[ViolentWeights]:
     shift, scale = space.mean(axis=0), space.std(axis=0)
     scale[scale < 1e-9] = 1.0  # one fill
     points = (space - shift) / scale
-    centres = k_means(points[random.choice(len(points), min(POINTS, len(points)), replace=False)], settings.centres, random, SWEEPS)
+    centres = k_means(
+        points[random.choice(len(points), min(POINTS, len(points)), replace=False)], settings.centres, random, SWEEPS
+    )
     apart = ((centres[:, None] - centres[None]) ** 2).sum(axis=2)
     np.fill_diagonal(apart, np.inf)
     sharpness = 1.0 / (settings.spread * float(np.sqrt(apart.min(axis=1)).mean()))
     every = np.concatenate([t.space[t.share > 0.0] for t in tables])
     low, high = ((end(every, axis=0) - shift) / scale for end in (np.min, np.max))
     flat = high - low < 1e-9
+    low, high = low - EDGE * (high - low), high + EDGE * (high - low)
     net = ViolentWeights(
         shift, scale, centres, sharpness, np.zeros((len(centres), BASIS)), np.zeros(len(centres)), low - flat, high + flat, 0.0
     )  # fmt: skip
@@ -135,7 +140,8 @@ def choose(
             found = measure(checks, [predict(net, t) for t in checks])
             tried.append({"centres": settings.centres, "spread": settings.spread, "ridge": amount, **found})
             say(
-                f"  {settings.centres} Gaussians, spread {settings.spread:g}, ridge {amount:g}: loss factor rms {found['loss_rms']:.4f}, "
+                f"  {settings.centres} Gaussians, spread {settings.spread:g}, ridge {amount:g}: loss factor rms "
+                f"{found['loss_rms']:.4f}, "
                 f"bias {found['loss_bias']:+.4f}, R2 {found['R2']:.3f}"
             )
             if best is None or found["loss_rms"] < best[0]:
@@ -191,7 +197,12 @@ def measure(tables: Sequence[Table], forces: Sequence[Array]) -> dict[str, Any]:
         whole += float(((t.r[keep] * weight) ** 2).sum())
         gaps.append(loss(t, force) - loss(t, t.r))
     gap = np.concatenate(gaps)
-    return {"R2": 1.0 - left / whole, "loss_rms": float(np.sqrt((gap**2).mean())), "loss_bias": float(gap.mean()), "cycles": gap.size}
+    return {
+        "R2": 1.0 - left / whole,
+        "loss_rms": float(np.sqrt((gap**2).mean())),
+        "loss_bias": float(gap.mean()),
+        "cycles": gap.size,
+    }
 
 
 def _equations(
@@ -234,15 +245,23 @@ def _cycles(place: Array, velocity: Array, p: Array) -> tuple[Cycle, ...]:
     """From each lowest place of the tank to the next, those of LEAST amplitude or more."""
     lows = np.flatnonzero((velocity[:-1] < 0.0) & (velocity[1:] >= 0.0)).tolist()
     found = [
-        Cycle(a, b, 0.5 * float(np.ptp(p[a : b + 1])), 0.5 * float(np.ptp(place[a : b + 1])))
-        for a, b in zip(lows[:-1], lows[1:], strict=True)
+        Cycle(a, b, 0.5 * float(np.ptp(p[a : b + 1])), 0.5 * float(np.ptp(place[a : b + 1]))) for a, b in itertools.pairwise(lows)
     ]
     return tuple(c for c in found if c.acceleration >= LEAST and c.displacement > 0.0)
 
 
 @jit
 def _tabulate(
-    motions: Array, step: float, place: Place, basin: Basin, state: Array, space: Array, basis: Array, Q: Array, p: Array, part: Array
+    motions: Array,
+    step: float,
+    place: Place,
+    basin: Basin,
+    state: Array,
+    space: Array,
+    basis: Array,
+    Q: Array,
+    p: Array,
+    part: Array,
 ) -> None:
     rows = np.empty(5)
     for k in range(len(motions)):
@@ -254,9 +273,7 @@ def _tabulate(
         part[k] = share(state[UNEVEN], space[k, ENERGY])
 
 
-def branch(
-    name: str, net: ViolentWeights, checks: Sequence[Table], fills: tuple[float, float], about: dict[str, Any]
-) -> Violent:
+def branch(name: str, net: ViolentWeights, checks: Sequence[Table], fills: tuple[float, float], about: dict[str, Any]) -> Violent:
     """A branch with its noise, from records that were not trained on."""
     at, lasts = noise(net, checks)
     tank = checks[0].tank

@@ -7,8 +7,8 @@ test         the same kinds, other seeds and fills that no training record has; 
              1 + 1e-5 (name + "_twin"): what a flow that is chaotic says of itself
 
 kind         share  what it is
-flight       0.6    forced pitch cycles, release, one mode that hardly grows or decays and one that dies out, as in a flutter march
-swing        0.2    one frequency, steady, growing or decaying
+flight       0.6    forced pitch cycles, release, one mode that hardly grows or decays and one that dies out, as in a flutter
+march swing        0.2    one frequency, steady, growing or decaying
 burst        0.1    packets of one frequency with pauses: surfaces that break again
 noise        0.1    random levels through a band
 
@@ -65,7 +65,11 @@ def violent(
     more: further parameters of the simulation. Raises ExcitationError where a motion cannot be made."""
     tank = replace(tank, x=0.0, y=0.0)
     plan: list[Planned] = []
-    for split, count, seed in (("train", sizes.train, 11000), ("validation", sizes.validation, 12000), ("test", sizes.test, 13000)):
+    for split, count, seed in (
+        ("train", sizes.train, 11000),
+        ("validation", sizes.validation, 12000),
+        ("test", sizes.test, 13000),
+    ):
         for k, (motion, fill) in enumerate(_motions(tank, split, count, seed, step, sizes)):
             own = settings(replace(tank, fill_level=fill), cells, gas_density, more)
             named = replace(motion, name=f"violent_{split}_{k + 1:03d}_{motion.kind}")
@@ -115,5 +119,7 @@ def _motion(kind: str, rng: np.random.Generator, seed: int, tank: Tank, fill: fl
     else:
         raise ExcitationError(f"kind '{kind}'. Remedy: one of {', '.join(KINDS)}")
     most = min(MOST, FARTHEST * size * omega**2 / tank.gravity)
-    there = replace(tank, fill_level=fill, x=arm)  # D of a tank behind the axis is that of the carried motion: the geometry stays exact
+    there = replace(
+        tank, fill_level=fill, x=arm
+    )  # D of a tank behind the axis is that of the carried motion: the geometry stays exact
     return carried(scaled_to(replace(motion, seed=seed), there, LEAST * (most / LEAST) ** share), arm)

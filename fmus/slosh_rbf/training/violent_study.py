@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -37,7 +38,11 @@ def tables(found: Sequence[dataset.Record]) -> dict[str, list[Table]]:
 
 
 def train(
-    data: Mapping[str, Sequence[Table]], name: str, every: Sequence[Settings], say: Callable[[str], None], about: Mapping[str, Any]
+    data: Mapping[str, Sequence[Table]],
+    name: str,
+    every: Sequence[Settings],
+    say: Callable[[str], None],
+    about: Mapping[str, Any],
 ) -> tuple[Violent, dict[str, Any]]:
     """The branch and a report: what was tried, how it does on each split. Raises DatasetError for a split without records."""
     for split in ("train", "validation", "test"):
@@ -73,7 +78,7 @@ def _bands(tables: Sequence[Table], forces: Sequence[Array]) -> list[dict[str, f
     true = np.concatenate([loss(t, t.r) for t in tables])
     gap = np.concatenate([loss(t, f) for t, f in zip(tables, forces, strict=True)]) - true
     rows = []
-    for low, high in zip(BANDS[:-1], BANDS[1:], strict=True):
+    for low, high in itertools.pairwise(BANDS):
         mine = (size >= low) & (size < high)
         if np.any(mine):
             rows.append(
