@@ -7,6 +7,7 @@ between surface and roof:
     Q = sqrt(2 <p²>), V = sqrt(2 <v²>)           amplitudes of p and v; A = V²/Q that of the displacement
     c' = sqrt(max(−u, 0)/gap) − FORGET sqrt(max(u, 0)/gap) c            clock: how long the liquid has been thrown
     q'' + (2 ζ ω + STEEP ω a²/gap²) q' + ω² u q = f_x − H alpha''       odd waves from what drives them, crest a cut at the gap
+    age' = (grown − age)/SETTLE                  how long waves have filled the gap: a surface just broken takes more work
     y'' = −u/gap − k |y'| y', 0 ≤ y ≤ 1          slugs between floor and roof (y in gaps), five drags k, stopped at both
 
 A steady oscillation without memory would do for its first harmonic; the onset, which decides a flutter march, needs clock and
@@ -38,6 +39,9 @@ SMOOTH = 0.15
 FORGET = 0.05
 STEEP = 0.5
 FADE = 20.0
+SETTLE = 1.1
+HIGH = (-1.0, 1.0)
+"""ln of the waves' energy between which crests come to fill the gap; `age` follows it within SETTLE."""
 SEED = 1e-4
 """Acceleration [g] that drives every wave besides the motion: a pure plunge stirs none of itself, a real surface is never
 level."""
@@ -53,14 +57,15 @@ BEGIN, FULL = 1.0, 2.0
 WHOLE, GROWN = -6.0, -4.0
 """ln of the waves' energy, likewise: crests of a twentieth and of an eighth of the gap."""
 
-V, P1, P2, S1, S2, CLOCK, UNEVEN = range(7)
-Q_AT = 7
+V, P1, P2, S1, S2, CLOCK, UNEVEN, AGE = range(8)
+Q_AT = 8
 W_AT = Q_AT + WAVES
 Y_AT = W_AT + WAVES
 R_AT = Y_AT + SLUGS
 SIZE = R_AT + SLUGS
-SPACE = 4
-"""Coordinates of the read-out that the motion gives: ln(A/gap), ln Q, clock, ln of the waves' energy; the fill is the fifth."""
+SPACE = 5
+"""Coordinates of the read-out that the motion gives: ln(A/gap), ln Q, clock, ln of the waves' energy, age; the fill is the
+sixth."""
 ENERGY = 3
 BASIS = 1 + 2 * HARMONICS + 3 * SLUGS
 """What is read out: 1, harmonics of the phase, and acceleration, place and velocity of the slugs."""
@@ -134,6 +139,8 @@ def follow(state: Array, start: Array, end: Array, duration: float, place: Place
         state[CLOCK] = (state[CLOCK] + dt * thrown) / (1.0 + dt * FORGET * held)
         _wave(state, u, along, turn, dt, basin)
         _slugs(state, u, dt, basin)
+    grown = min(max((_energy(state, basin) - HIGH[0]) / (HIGH[1] - HIGH[0]), 0.0), 1.0)
+    state[AGE] += (1.0 - math.exp(-whole / SETTLE)) * (grown - state[AGE])
     state[UNEVEN] = max(state[UNEVEN] * fade, abs(rows[2, GAMMA]) + abs(rows[2, SPIN]))
 
 
@@ -143,6 +150,16 @@ def share(D: float, energy: float) -> float:
     d = min(max((D - BEGIN) / (FULL - BEGIN), 0.0), 1.0)
     e = min(max((energy - WHOLE) / (GROWN - WHOLE), 0.0), 1.0)
     return d * d * (3.0 - 2.0 * d) * e * e * (3.0 - 2.0 * e)
+
+
+@jit
+def _energy(state: Array, basin: Basin) -> float:
+    """ln of the waves' energy: squares of their crests over the gap."""
+    energy = 1e-10
+    for n in range(WAVES):
+        q, w = state[Q_AT + n], state[W_AT + n] / basin.omega[n]
+        energy += (basin.elevation[n] / basin.gap) ** 2 * (q * q + w * w)
+    return math.log(energy)
 
 
 @jit
@@ -184,11 +201,8 @@ def tell(state: Array, p: float, basin: Basin, space: Array, basis: Array) -> fl
     space[0] = math.log(swing * swing / (Q * basin.gap))
     space[1] = math.log(Q)
     space[2] = state[CLOCK] / (4.0 + state[CLOCK])
-    energy = 1e-10
-    for n in range(WAVES):
-        q, w = state[Q_AT + n], state[W_AT + n] / basin.omega[n]
-        energy += (basin.elevation[n] / basin.gap) ** 2 * (q * q + w * w)
-    space[3] = math.log(energy)
+    space[ENERGY] = _energy(state, basin)
+    space[4] = state[AGE]
     x, y = p / Q, state[V] / swing
     size = math.sqrt(x * x + y * y + 0.01)
     x, y = x / size, y / size

@@ -37,7 +37,8 @@ def register(commands: Any) -> None:
     """The command line."""
     text = HELP["train"]
     sub = commands.add_parser("train", help=text, description=text)
-    sub.add_argument("case", type=builtin.case_path, metavar="CASE", help="a training file, or the built-in slosh_rbf")
+    known = "a training file, or a built-in one: slosh_rbf, slosh_violent"
+    sub.add_argument("case", type=builtin.case_path, metavar="CASE", help=known)
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
     sub.add_argument("--quick", action="store_true", help="fewer networks, one seed, no second grid: minutes")
     sub.add_argument(

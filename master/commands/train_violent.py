@@ -73,7 +73,7 @@ def _records(case: TrainingCase, options: argparse.Namespace, drive: tank_record
 
     s, t, v = case.slosh, case.training, case.violent
     tank = Tank(s.tank_length, s.tank_height, s.tank_width, 0.5, 0.0, 0.0, s.liquid_density, s.gravity)
-    sizes = violent_plan.Sizes(v.train, v.validation, v.test, (v.fills[0], v.fills[1]), tuple(v.test_fills))
+    sizes = violent_plan.Sizes(v.train, v.marches, v.validation, v.test, (v.fills[0], v.fills[1]), tuple(v.test_fills))
     fluids = {"liquid_viscosity": s.liquid_viscosity, "gas_viscosity": s.gas_viscosity}
     fluids |= {n: value for n in ("wall_slip", "surface_tension") if (value := getattr(s, n)) != "auto"}
 

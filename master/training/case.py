@@ -57,6 +57,7 @@ class Violent:
     """Records of breaking surfaces and the branch of a network for them."""
 
     train: int = key(0, "records to train on; above 0 a violent branch is trained, and nothing else", low=0, high=100000)
+    marches: int = key(60, "more of them, as flutter marches move the tank", low=1, high=100000)
     validation: int = key(32, "records to choose by", low=4, high=10000)
     test: int = key(40, "records to measure by, each with a twin", low=4, high=10000)
     fills: list[float] = field(
@@ -65,7 +66,7 @@ class Violent:
     test_fills: list[float] = field(
         default_factory=lambda: [0.5, 0.5, 0.4, 0.6, 0.35], metadata=rule("fills of the tests, in turn", low=0.05, high=0.95)
     )
-    centres: list[int] = field(default_factory=lambda: [60, 100], metadata=rule("numbers of Gaussians tried", low=1, high=1000))
+    centres: list[int] = field(default_factory=lambda: [120], metadata=rule("numbers of Gaussians tried", low=1, high=1000))
     spreads: list[float] = field(
         default_factory=lambda: [1.4], metadata=rule("their spreads, in distances of neighbouring centres", above=0.0)
     )

@@ -30,7 +30,7 @@ BRANCH = violent_network.load(ROOT / "slosh_rbf" / "weights" / "branches" / "def
 def random_branch(seed: int, size: float = 0.3, centres: int = 30) -> Violent:
     """Weights of no meaning."""
     r = np.random.default_rng(seed)
-    shift, scale = np.array([-1.5, 1.5, 0.4, 0.0, 0.5]), np.array([0.8, 0.7, 0.2, 2.0, 0.1])
+    shift, scale = np.array([-1.5, 1.5, 0.4, 0.0, 0.5, 0.5]), np.array([0.8, 0.7, 0.2, 2.0, 0.5, 0.1])
     weights = ViolentWeights(
         shift, scale, r.normal(size=(centres, WIDTH)), 1.0, size * r.normal(size=(centres, BASIS)), np.full(centres, 0.1),
         np.full(WIDTH, -3.0), np.full(WIDTH, 3.0), 3.0,
@@ -124,7 +124,8 @@ def test_scale_models() -> None:
 
 
 def test_which_tanks_the_branch_takes() -> None:
-    """Fills between those trained on, with equations for the whole surface where the network knows another fill; else as before."""
+    """Fills between those trained on, with equations for the whole surface where the network knows another fill; else as
+    before."""
     for fill in (0.31, 0.5, 0.69):
         found = in_tank(NETWORK, behind(fill), 1e-6, 1.2, BRANCH)
         assert isinstance(found, ViolentSurrogate)
@@ -249,12 +250,12 @@ def test_noise_is_that_of_records_apart() -> None:
 
 def test_the_plan_is_what_it_says() -> None:
     """Seeded, D from 1.3 to 24, fills between their ends, tests with twins that differ by 1e-5, names once."""
-    sizes = violent_plan.Sizes(20, 8, 8, (0.35, 0.65), (0.4,))
+    sizes = violent_plan.Sizes(20, 6, 8, 8, (0.35, 0.65), (0.4,))
     plan = violent_plan.violent(TANK, sizes)
     again = violent_plan.violent(TANK, sizes)
     assert [p.motion.name for p in plan] == [p.motion.name for p in again]
     assert all((a.motion.motions == b.motion.motions).all() for a, b in zip(plan, again, strict=True))
-    assert len({p.motion.name for p in plan}) == len(plan) == 20 + 8 + 16
+    assert len({p.motion.name for p in plan}) == len(plan) == 20 + 6 + 8 + 16
     for p in plan:
         assert 0.35 <= p.parameters["fill_level"] <= 0.65 and p.parameters["tank_x"] == 0.0
         gamma = np.abs(p.motion.motions[:, 2] / 9.81).max()

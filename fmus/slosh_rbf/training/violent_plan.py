@@ -12,6 +12,9 @@ march swing        0.2    one frequency, steady, growing or decaying
 burst        0.1    packets of one frequency with pauses: surfaces that break again
 noise        0.1    random levels through a band
 
+Besides, train has `Sizes.marches` of the kind "march": two forced cycles and a free mode whose amplitude stays nearly what it
+was, at frequencies of flutter: what the branch is for.
+
 The tank sits `arm` behind the axis, 1.8 m (cases/paper_s.toml) in three of five: that decides how much pitch goes with a plunge.
 Fills lie between 0.3 and 0.7, two of five at 0.5.
 """
@@ -32,6 +35,9 @@ from .intensity import scaled_to
 from .plan import CELLS, NOTHING, STEP, settings
 from .signals import Array, instants
 
+MARCH = "march"
+MARCHES = (29.0, 59.0)
+"""Frequencies [rad/s] of the marches, for a tank of half a metre: those at which the sections of cases/ flutter."""
 KINDS = {"flight": 0.6, "swing": 0.2, "burst": 0.1, "noise": 0.1}
 LEAST, MOST = 1.3, 24.0
 """D of the records: from where surfaces begin to break to 3° of pitch at 1.8 m."""
@@ -47,9 +53,10 @@ ARM = 1.8
 
 @dataclass(frozen=True)
 class Sizes:
-    """How many records of each split, the fills they lie between and those of the tests."""
+    """How many records of each split (`marches`: more of train), the fills they lie between and those of the tests."""
 
     train: int = 280
+    marches: int = 60
     validation: int = 32
     test: int = 40
     fills: tuple[float, float] = (0.3, 0.7)
@@ -77,7 +84,19 @@ def violent(
             if split == "test":
                 twin = named.scaled(1.0 + 1e-5)
                 plan.append(Planned(replace(twin, name=f"{named.name}_twin"), own, split))
+    for k in range(sizes.marches):
+        rng = np.random.default_rng([14000, k])
+        fill = _fill(rng, sizes)
+        # by the golden ratio: however many there are, they lie evenly, and more of them are the same and some more
+        share = (0.5 + 0.6180339887 * k) % 1.0
+        motion = _march(rng, 14000 + k, tank, fill, share, instants(LENGTHS[0], step))
+        own = settings(replace(tank, fill_level=fill), cells, gas_density, more)
+        plan.append(Planned(replace(motion, name=f"violent_train_{MARCH}_{k + 1:03d}"), own, "train"))
     return plan
+
+
+def _fill(rng: np.random.Generator, sizes: Sizes) -> float:
+    return 0.5 if rng.random() < 0.4 else sizes.fills[0] + (sizes.fills[1] - sizes.fills[0]) * rng.random()
 
 
 def _motions(tank: Tank, split: str, count: int, seed: int, step: float, sizes: Sizes) -> Iterator[tuple[Motion, float]]:
@@ -92,7 +111,7 @@ def _motions(tank: Tank, split: str, count: int, seed: int, step: float, sizes: 
             if split == "test":
                 fill = sizes.test_fills[k % len(sizes.test_fills)]
             else:
-                fill = 0.5 if rng.random() < 0.4 else sizes.fills[0] + (sizes.fills[1] - sizes.fills[0]) * rng.random()
+                fill = _fill(rng, sizes)
             length = float(rng.choice(LENGTHS, p=SHARES)) if kind != "burst" else LENGTHS[1]
             yield _motion(kind, rng, seed + 100 * list(KINDS).index(kind) + k, tank, fill, share, instants(length, step)), fill
 
@@ -123,3 +142,19 @@ def _motion(kind: str, rng: np.random.Generator, seed: int, tank: Tank, fill: fl
         tank, fill_level=fill, x=arm
     )  # D of a tank behind the axis is that of the carried motion: the geometry stays exact
     return carried(scaled_to(replace(motion, seed=seed), there, LEAST * (most / LEAST) ** share), arm)
+
+
+def _march(rng: np.random.Generator, seed: int, tank: Tank, fill: float, share: float, times: Array) -> Motion:
+    """Two forced cycles of pitch, then a mode of plunge and pitch nearly in phase that hardly grows or decays."""
+    size = tank.length / 0.5
+    slow, fast = (omega / math.sqrt(size) for omega in MARCHES)
+    omega = slow * (fast / slow) ** rng.random()
+    arm, forced = size * ARM * rng.uniform(0.7, 1.4), omega * rng.uniform(0.8, 1.25)
+    ratio = arm * 0.1 * 20.0 ** rng.random()
+    first = Mode(omega, float(rng.uniform(-2.0, 0.8)), ratio, float(rng.uniform(-1.0, 1.0)))
+    second = Mode(omega * rng.uniform(1.1, 1.8), rng.uniform(-10.0, -3.0), -ratio * rng.uniform(0.5, 1.5), 0.3 * rng.random())
+    motion = released(times, 1e-3, forced, first, second)
+    least, most = 2.0 * LEAST, min(0.8 * MOST, FARTHEST * size * omega**2 / tank.gravity)
+    there = replace(tank, fill_level=fill, x=arm)
+    target = least * (most / least) ** share
+    return carried(scaled_to(replace(motion, seed=seed), there, target), arm)
