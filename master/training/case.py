@@ -57,7 +57,7 @@ class Violent:
     """Records of breaking surfaces and the branch of a network for them."""
 
     train: int = key(0, "records to train on; above 0 a violent branch is trained, and nothing else", low=0, high=100000)
-    marches: int = key(60, "more of them, as flutter marches move the tank", low=1, high=100000)
+    marches: int = key(150, "more of them, as flutter marches move the tank", low=1, high=100000)
     validation: int = key(32, "records to choose by", low=4, high=10000)
     test: int = key(40, "records to measure by, each with a twin", low=4, high=10000)
     fills: list[float] = field(
@@ -68,7 +68,7 @@ class Violent:
     )
     centres: list[int] = field(default_factory=lambda: [120], metadata=rule("numbers of Gaussians tried", low=1, high=1000))
     spreads: list[float] = field(
-        default_factory=lambda: [1.4], metadata=rule("their spreads, in distances of neighbouring centres", above=0.0)
+        default_factory=lambda: [1.2, 1.4], metadata=rule("their spreads, in distances of neighbouring centres", above=0.0)
     )
     ridges: list[float] = field(default_factory=lambda: [1e-3, 1e-2, 1e-1], metadata=rule("ridges tried", above=0.0))
     work: float = key(3.0, "weight of the work of a cycle against a sample of the force", low=0.0, high=1e3)

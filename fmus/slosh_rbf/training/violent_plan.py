@@ -56,7 +56,7 @@ class Sizes:
     """How many records of each split (`marches`: more of train), the fills they lie between and those of the tests."""
 
     train: int = 280
-    marches: int = 60
+    marches: int = 150
     validation: int = 32
     test: int = 40
     fills: tuple[float, float] = (0.3, 0.7)
