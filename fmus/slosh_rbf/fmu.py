@@ -62,7 +62,7 @@ class SloshRbf(Slave):
         output("validity", "1", "Largest so far: to 1 loads hold pointwise, to validity_edge on average; above it fails",
                depends=(*SHAPE, "network", "gravity", "liquid_viscosity")),
         output("validity_edge", "1", "Up to where the work of the loads holds: 2 with a violent branch, else 1",
-               depends=(*SHAPE[1:], "network")),
+               depends=("network",)),
         output("meaning", "", "What the loads are by validity: pointwise loads, conditional mean, outside", type=str,
                depends=("network", *SHAPE, "liquid_viscosity", "gravity")),
         output("force_y_deviation", "N/m", "Standard deviation of force_y about the conditional mean that is told",
