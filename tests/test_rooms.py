@@ -40,7 +40,7 @@ MAY = {
 }
 # Who of master knows components: what trains the network of slosh_rbf, what builds FMUs where there are none, and what
 # tries the FMUs' library in a program that is no Python.
-KNOWS_COMPONENTS = {"master.commands.train", "master.fmi.installed", "master.hosts.bare"}
+KNOWS_COMPONENTS = {"master.commands.train", "master.commands.train_violent", "master.fmi.installed", "master.hosts.bare"}
 
 
 def rooms_script() -> ModuleType:

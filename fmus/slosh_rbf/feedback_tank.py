@@ -15,6 +15,8 @@ from .feedback import Feedback, columns, one_step
 from .memory import Array, Complex
 from .network import Network, NetworkError, untrained
 from .surrogate import State, Surrogate, fits, inputs
+from .violent_network import Violent
+from .violent_tank import ViolentSurrogate
 
 EDGE = 4.0
 """Standard deviations of the training data that count as their edge: a network with feedback keeps no more of them."""
@@ -88,7 +90,12 @@ def read(path: Path) -> Network | Feedback:
     return feedback.load(path) if kind == feedback.KIND else network.load(path)
 
 
-def in_tank(net: Network | Feedback, tank: Tank, viscosity: float, gas_density: float) -> Surrogate | FeedbackSurrogate:
-    """A network of either kind in a tank. Raises NetworkError."""
-    kind = FeedbackSurrogate if isinstance(net, Feedback) else Surrogate
-    return kind(net, tank, viscosity, gas_density)  # type: ignore[arg-type]
+def in_tank(
+    net: Network | Feedback, tank: Tank, viscosity: float, gas_density: float, branch: Violent | None = None
+) -> Surrogate | FeedbackSurrogate | ViolentSurrogate:
+    """A network of any kind in a tank, with its violent branch where that knows the tank. Raises NetworkError."""
+    if isinstance(net, Feedback):
+        return FeedbackSurrogate(net, tank, viscosity, gas_density)
+    if branch is not None and branch.knows(tank):
+        return ViolentSurrogate(net, branch, tank, viscosity, gas_density)
+    return Surrogate(net, tank, viscosity, gas_density)

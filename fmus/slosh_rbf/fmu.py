@@ -32,12 +32,16 @@ from .feedback_tank import in_tank, read
 from .memory import Array
 from .network import Network, NetworkError, untrained
 from .surrogate import Answer, State
+from .violent_network import Violent
+from .violent_network import load as read_branch
+from .violent_tank import ViolentSurrogate
 
 INPUTS = (*MOTION, *SURGE)
 SHAPE = ("alpha", "tank_length", "tank_height", "fill_level")
 """Of tank and surface at the start."""
 EQUATIONS = {"ems": False, "bilinear": True}
 """Networks without weights: the base alone, linear or with products of gravity's change."""
+POINTWISE, MEAN, OUTSIDE = "pointwise loads", "conditional mean", "outside"
 
 
 class SloshRbf(Slave):
@@ -55,8 +59,14 @@ class SloshRbf(Slave):
         *slosh_outputs((*ACCELERATED, *MASS_OF, *PLACE, "gravity", "gas_density", "network"), gas=True),
         output("extrapolation", "1", "Distance to the training data: 0 inside, 1 at their edge, above: outside",
                depends=(*SHAPE, "network")),
-        output("validity", "1", "Largest of unevenness/1.5, wave_growth/7, extrapolation, friction so far: above 1 it fails",
+        output("validity", "1", "Largest so far: to 1 loads hold pointwise, to validity_edge on average; above it fails",
                depends=(*SHAPE, "network", "gravity", "liquid_viscosity")),
+        output("validity_edge", "1", "Up to where the work of the loads holds: 2 with a violent branch, else 1",
+               depends=("network",)),
+        output("meaning", "", "What the loads are by validity: pointwise loads, conditional mean, outside", type=str,
+               depends=("network", *SHAPE, "liquid_viscosity", "gravity")),
+        output("force_y_deviation", "N/m", "Standard deviation of force_y about the conditional mean that is told",
+               quantity="ForcePerLength"),
         output("unevenness", "1", "Largest |g_n/g - 1| + (l/2)|alpha''|/g since the start: towards 1.5 surfaces break",
                depends=(*GRAVITY_OF, "tank_length")),
         output("wave_growth", "1", "Logarithm of the growth of waves that gravity's changes feed (Faraday)"),
@@ -76,7 +86,7 @@ class SloshRbf(Slave):
             self.liquid_density, self.gravity,
         )  # fmt: skip
         try:
-            self.model = in_tank(self._network(), self.tank, self.liquid_viscosity, self.gas_density)
+            self.model = in_tank(self._network(), self.tank, self.liquid_viscosity, self.gas_density, self._branch())
         except NetworkError as error:
             raise StepError(str(error)) from error
         # trained on water in motions far above the first wave's frequency: what a viscous liquid does there is known beforehand
@@ -104,14 +114,14 @@ class SloshRbf(Slave):
         self._publish()
 
     def save(self) -> dict[str, Any]:
-        """Memory, waves of the gate, answer, delayed values, motion, largest validity."""
+        """Memory, waves of the gate, answer, delayed values, memory of the violent branch, motion, largest validity."""
         state = self.state
-        kept = {"w": state.w, "waves": state.waves, "answer": list(state.answer), "lags": state.lags}
+        kept = {"w": state.w, "waves": state.waves, "answer": list(state.answer), "lags": state.lags, "thrown": state.thrown}
         return kept | {"motion": self.motion, "worst": self.worst}
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Take them back."""
-        self.state = State(snapshot["w"], snapshot["waves"], Answer(*snapshot["answer"]), snapshot["lags"])
+        self.state = State(snapshot["w"], snapshot["waves"], Answer(*snapshot["answer"]), snapshot["lags"], snapshot["thrown"])
         self.motion, self.worst = snapshot["motion"], snapshot["worst"]
 
     def _network(self) -> Network | Feedback:
@@ -121,6 +131,11 @@ class SloshRbf(Slave):
         if self.network not in known:
             raise StepError(f"there is no network '{self.network}'. Remedy: one of {', '.join([*known, *EQUATIONS])}")
         return read(known[self.network])
+
+    def _branch(self) -> Violent | None:
+        """The violent branch that belongs to the network, if there is one: weights/branches/<network>.npz."""
+        path = self.folder / "weights" / "branches" / f"{self.network}.npz"
+        return read_branch(path) if self.network not in EQUATIONS and path.is_file() else None
 
     def _motion(self) -> Array:
         return np.array([getattr(self, name) for name in INPUTS])
@@ -134,8 +149,11 @@ class SloshRbf(Slave):
         liquid = Load(whole.force_x, whole.force_y + weight, whole.moment - weight * self.tank.x)
         self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, motion)
         self.extrapolation, self.unevenness, self.wave_growth = answer.extrapolation, answer.uneven, answer.growth
-        self.worst = max(self.worst, answer.validity, self.friction)
-        self.validity = self.worst
+        edge = 2.0 if isinstance(self.model, ViolentSurrogate) else 1.0
+        # a liquid too viscous for its training is outside whatever the surface does
+        self.worst = max(self.worst, answer.validity, self.friction if self.friction <= 1.0 else self.friction + edge - 1.0)
+        self.validity, self.validity_edge, self.force_y_deviation = self.worst, edge, answer.deviation
+        self.meaning = POINTWISE if self.worst <= 1.0 else MEAN if self.worst <= edge else OUTSIDE
         self.effective_gravity = self.model.effective_gravity(self.motion)
         self.wave_height_east = self.model.wave_height(self.state.w)
         self.wave_height_west = -self.wave_height_east

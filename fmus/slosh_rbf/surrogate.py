@@ -15,17 +15,21 @@ from .gate import EDGE_GROWTH, EDGE_UNEVEN, uneven
 from .memory import GAMMA, MODES, Array, Complex, Memory, Place, Step, drive, remember
 from .network import Network, NetworkError, Weights, read_out
 from .readout import EVEN, ODD, SPACE, features
+from .violent_memory import BEGIN
 
 NO_LAGS: Array = np.zeros(0)
 MOST_TURNS = 1e6
 """Most radians of the fastest wave watched in one step: about a second of work."""
+INSIDE = 0.01
+"""Least distance to its training data that a violent branch tells: where it speaks, loads do not hold pointwise."""
 SAME_SHAPE = 0.02
 """Relative difference of depth over length up to which a network holds: first-mode frequencies then differ by 1 %."""
 
 
 class Answer(NamedTuple):
     """Load in inertial axes [N, N, N m about the elastic axis], distance to the training data (1 at its edge), largest D and
-    logarithm of wave growth so far."""
+    logarithm of wave growth so far; of a network with a violent branch: its share in the load, the deviation of the force up from
+    the mean that it tells [N], and the largest distance to its training data so far (below 0: there is no branch)."""
 
     force_x: float
     force_y: float
@@ -33,11 +37,20 @@ class Answer(NamedTuple):
     extrapolation: float
     uneven: float
     growth: float
+    share: float = 0.0
+    deviation: float = 0.0
+    beyond: float = -1.0
 
     @property
     def validity(self) -> float:
-        """Above 1 the model does not hold: the surface breaks, waves grow of themselves, or nothing like it was trained on."""
-        return max(self.uneven / EDGE_UNEVEN, self.growth / EDGE_GROWTH, self.extrapolation)
+        """Up to 1 the loads hold pointwise. Above, the surface breaks, waves grow of themselves, or nothing like it was trained
+        on: the model does not hold, but with a violent branch, which tells the mean of a broken surface: from 1 to 2 that
+        holds."""
+        pointwise = max(self.uneven / EDGE_UNEVEN, self.growth / EDGE_GROWTH, self.extrapolation)
+        if pointwise <= 1.0 or self.beyond < 0.0:
+            return pointwise
+        # waves that grow of themselves where gravity never vanishes, or slow large motions, are in neither training
+        return 1.0 + (max(self.beyond, INSIDE) if self.uneven > BEGIN else max(self.growth / EDGE_GROWTH, self.extrapolation))
 
 
 class State(NamedTuple):
@@ -47,6 +60,7 @@ class State(NamedTuple):
     waves: Array
     answer: Answer
     lags: Array = NO_LAGS  # earlier motions and loads, of a network with output feedback
+    thrown: Array = NO_LAGS  # memory of a violent branch
 
 
 @dataclass(frozen=True)

@@ -282,7 +282,7 @@ class _Told:
         fit, s = march.fit, march.scales
         rate = f"growth rate {plus_minus(fit.growth_rate, fit.growth_rate_uncertainty)}" if fit else march.reason
         worst = trust.validity(march)
-        rate += "" if worst is None or fuel_tank.holds(worst) else f", {fuel_tank.broken(worst)}"
+        rate += "" if worst is None or trust.stands(march) else f", {fuel_tank.broken(worst, trust.edge(march))}"
         self.say(f"  Mach {s.mach:g}, V_f {s.V_f:.4f}: {rate}, {march.cost.wall:.1f} s")
 
     def outcome(self, point: BoundaryPoint) -> None:

@@ -28,15 +28,9 @@ MOTION = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot")
 CARRIED = ("liquid_mass", "liquid_static_moment", "liquid_inertia", "liquid_stiffness")
 SHAPES = ("initial_wave", "initial_spectrum", "initial_column", "initial_file")  # parameters that raise the surface at the start
 PERTURBATION = 1e-5  # [m] largest rise of the waves by which members of an ensemble differ
-EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold
-CASE_ONLY = (
-    "model",
-    "predictor",
-    "split",
-    "members",
-    "seed",
-    fmu_parameters.KEY,
-)  # keys of the table [slosh] that are no parameters of an FMU
+EDGE = 1.0  # of a slosh FMU's output `validity`: above it the model does not hold, unless its `validity_edge` says another
+# keys of the table [slosh] that are no parameters of an FMU
+CASE_ONLY = ("model", "predictor", "split", "members", "seed", fmu_parameters.KEY)
 
 
 def needed(models: Sequence[str]) -> tuple[str, ...]:
@@ -44,14 +38,19 @@ def needed(models: Sequence[str]) -> tuple[str, ...]:
     return tuple(FMU[model] for model in models if model in FMU)
 
 
-def holds(validity: float | None) -> bool:
+def holds(validity: float | None, edge: float = EDGE) -> bool:
     """Whether a model with this validity holds; one that tells nothing (dry, frozen, two-phase flow) is taken to."""
-    return validity is None or validity <= EDGE
+    return validity is None or validity <= edge
 
 
-def broken(validity: float) -> str:
+def broken(validity: float, edge: float = EDGE) -> str:
     """What a validity above the edge means, in words."""
-    return f"the slosh model does not hold (validity {validity:.3g}, edge {EDGE:g})"
+    return f"the slosh model does not hold (validity {validity:.3g}, edge {edge:g})"
+
+
+def averaged(validity: float, edge: float) -> str:
+    """What a validity between EDGE and another edge means, in words."""
+    return f"loads of a breaking surface on average, single runs scatter about them (validity {validity:.3g}, edge {edge:g})"
 
 
 def wiring(split: str) -> list[str]:
@@ -93,6 +92,7 @@ class Tank:
     moving   the component to step, named "slosh"; None for the model "frozen"
     surrogate  the cheaper model that predicts it, named "slosh_predictor"; None without
     validity   what the FMU tells of its validity at rest; None where it tells none
+    edge       of its validity
     Raises ComponentError when the FMU fails, AeroSloshError when it is none of a slosh model."""
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
@@ -128,6 +128,7 @@ class Tank:
             self.rest = (0.0, 0.0) if split == "frozen" else (component.get(names[0]), component.get(names[1]))
         tells = settings.model != "frozen" and "validity" in component.output_index
         self.validity = component.get("validity") if tells else None
+        self.edge = component.get("validity_edge") if "validity_edge" in component.output_index else EDGE
         self.sha256 = component.sha256
         if settings.predictor != "none" and settings.model != "frozen":
             self.surrogate = Component(fmus[FMU[settings.predictor]], "slosh_predictor")

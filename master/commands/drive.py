@@ -72,6 +72,7 @@ def execute(options: argparse.Namespace) -> int:
         print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files, "validity": worst}))
     else:
         print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
-        if worst is not None and not fuel_tank.holds(worst):
-            print(f"  note: {fuel_tank.broken(worst)}")
+        edge = float(columns["validity_edge"].max()) if "validity_edge" in columns else fuel_tank.EDGE
+        if worst is not None and not fuel_tank.holds(worst, edge):
+            print(f"  note: {fuel_tank.broken(worst, edge)}")
     return ExitCode.OK

@@ -68,8 +68,11 @@ def _summary(assembly: Assembly, data: dict[str, Any]) -> str:
     if scheme["passes_mean"] is not None and scheme["passes_max"] > 1:
         lines.append(f"  coupling     {scheme['passes_mean']:.2f} passes a step, {scheme['passes_max']} at most")
     for name, value in data["last"].items():
-        if name.endswith(".validity") and (value is not None and value > 1.0):
-            lines.append(f"  note: {name.removesuffix('.validity')} says that it does not hold (validity {value:.3g}, edge 1)")
+        edge = data["last"].get(f"{name}_edge") or 1.0
+        if name.endswith(".validity") and (value is not None and value > edge):
+            lines.append(
+                f"  note: {name.removesuffix('.validity')} says that it does not hold (validity {value:.3g}, edge {edge:g})"
+            )
     if assembly.dt != assembly.run.step:
         lines.append(f"  note: steps of {assembly.dt:.6g} s: the run holds no whole number of run.step = {assembly.run.step:g} s")
     lines.append(f"  cost         {cost['wall_seconds']:.1f} s wall, {cost['cpu_seconds']:.1f} s CPU ({shares})")

@@ -21,7 +21,7 @@ from ..training import case as training_case
 from ..training import report as training_report
 from ..training import tank_records
 from ..training.case import TrainingCase
-from . import HELP, common
+from . import HELP, common, train_violent
 
 CALM = 0.75  # D: well below where gravity vanishes anywhere on the surface
 QUICK = (
@@ -37,7 +37,8 @@ def register(commands: Any) -> None:
     """The command line."""
     text = HELP["train"]
     sub = commands.add_parser("train", help=text, description=text)
-    sub.add_argument("case", type=builtin.case_path, metavar="CASE", help="a training file, or the built-in slosh_rbf")
+    known = "a training file, or a built-in one: slosh_rbf, slosh_violent"
+    sub.add_argument("case", type=builtin.case_path, metavar="CASE", help=known)
     sub.add_argument("--set", action="append", default=[], metavar="TABLE.KEY=VALUE", help="change any key of the file")
     sub.add_argument("--quick", action="store_true", help="fewer networks, one seed, no second grid: minutes")
     sub.add_argument(
@@ -60,6 +61,8 @@ def execute(options: argparse.Namespace) -> int:
 
     installed.ensure(options.fmus)
     case = training_case.load(options.case, [*(QUICK if options.quick else ()), *options.set])
+    if case.violent.train:
+        return train_violent.execute(case, options)
     if case.training.tuning and not _has_torch():
         raise AeroSloshError(
             "training.tuning needs torch, which is not installed",

@@ -31,6 +31,7 @@ REALS = {  # history channel: (component, output, unit, long name)
     "wave_height_east": ("slosh", "wave_height_east", "m", "surface above its level at rest at the aft wall"),
     "slosh_wave_growth": ("slosh", "wave_growth", "1", "logarithm of the growth of waves that gravity's changes feed (Faraday)"),
     "slosh_validity": ("slosh", "validity", "1", "above 1 the slosh model does not hold (largest since the start)"),
+    "slosh_validity_edge": ("slosh", "validity_edge", "1", "up to this slosh_validity the work of the slosh loads holds"),
 }
 
 

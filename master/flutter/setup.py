@@ -83,8 +83,10 @@ class FlutterSetup:
             self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))
             self.aero = opened.enter_context(closing(Component(fmus["aero"], "aero")))
             self.tank = opened.enter_context(closing(fuel_tank.Tank(case.slosh, fmus))) if case.slosh.model != "none" else None
-            if self.tank is not None and self.tank.validity is not None and not fuel_tank.holds(self.tank.validity):
-                say(f"warning: {fuel_tank.broken(self.tank.validity)} for this liquid in this tank, at rest already: no verdict")
+            tank = self.tank
+            if tank is not None and tank.validity is not None and not fuel_tank.holds(tank.validity, tank.edge):
+                told = fuel_tank.broken(tank.validity, tank.edge)
+                say(f"warning: {told} for this liquid in this tank, at rest already: no verdict")
             moving = self.tank.moving if self.tank else None
             components, lines = [self.structure, self.aero], WIRES.strip().splitlines()
             if moving is not None:

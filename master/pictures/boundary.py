@@ -84,7 +84,7 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
             low.errorbar(mach, frequency, **style)
         doubtful = [
             (p.mach, c.V_f) for p in points for c in p.crossings
-            if c.source == "march" and not holds(trust.of_crossing(c, p.marches))
+            if c.source == "march" and not holds(trust.of_crossing(c, p.marches), trust.largest_edge(p.marches))
         ]  # fmt: skip
         if doubtful:
             style = {"color": PURPLE, "ms": 11, "mew": 1.6, "zorder": 5}

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ..base.wording import plus_minus
-from ..case.fuel_tank import LABEL, holds
+from ..case.fuel_tank import LABEL
 from ..flutter.march import March
 from ..results import trust
 from . import canvas as plt
@@ -22,7 +22,7 @@ def headline(march: March) -> str:
     """Model, Mach, V_f, verdict, growth rate and frequency in one line."""
     s, fit = march.scales, march.fit
     text = f"{LABEL[march.slosh]}, Mach {s.mach:g}, $V_f$ = {s.V_f:.4g}: {trust.verdict(march)}"
-    if not holds(trust.validity(march)):
+    if not trust.stands(march):
         text += f" (slosh model does not hold; the motion: {march.verdict})\n"
     if fit is None:
         return text

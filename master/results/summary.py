@@ -12,7 +12,7 @@ from ..analysis.verdict import Verdict
 from ..base.wording import counted, error_bar, plus_minus
 from ..boundary import modes as boundary_modes
 from ..boundary.search import BoundaryPoint
-from ..case.fuel_tank import LABEL, broken, holds
+from ..case.fuel_tank import EDGE, LABEL, averaged, broken
 from ..flutter.coarse_marches import PARTS, Change
 from ..flutter.march import March
 from . import by_value, trust, wave_growth
@@ -29,8 +29,7 @@ def march_data(march: March, steady_cpu: float | None = None, change: Change | N
     s, fit, cost = march.scales, march.fit, march.cost
     # a divergence that the steady flow tells and no fit shows yet: the rate of an oscillation beside it would say stable
     read = fit if fit is not None and not (march.verdict is Verdict.DIVERGENCE and fit.frequency) else None
-    validity = trust.validity(march)
-    stands = holds(validity)
+    validity, edge, stands = trust.validity(march), trust.edge(march), trust.stands(march)
     change = change or Change()
     rate_std = math.hypot(read.growth_rate_uncertainty, *change.growth_rate.values()) if read else math.nan
     frequency_std = math.hypot(read.frequency_uncertainty, *change.frequency.values()) if read else math.nan
@@ -39,10 +38,11 @@ def march_data(march: March, steady_cpu: float | None = None, change: Change | N
         "V_f": s.V_f,
         "slosh": march.slosh,
         "slosh_validity": number(validity),
+        **({} if edge == EDGE else {"slosh_validity_edge": edge}),
         "slosh_holds": None if validity is None else stands,
         "verdict": str(trust.verdict(march)),
         "motion_verdict": str(march.verdict),
-        "reason": march.reason if validity is None or stands else f"{broken(validity)}: {march.reason}",
+        "reason": march.reason if validity is None or stands else f"{broken(validity, edge)}: {march.reason}",
         "remedy": (march.remedy or None) if stands else trust.remedy(march),
         "growth_rate": number(read.growth_rate) if read else None,
         "growth_rate_uncertainty": number(rate_std),
@@ -133,8 +133,8 @@ def linear_data(point: BoundaryPoint) -> dict[str, Any] | None:
 def point_data(point: BoundaryPoint) -> dict[str, Any]:
     """One Mach number of a boundary. `V_f`, `frequency` are the lowest onset's (or the lowest crossing's)."""
     first = min(point.crossings, key=lambda c: (c.direction != "onset", c.V_f), default=None)
-    validity = trust.of_point(point.crossings, point.marches)
-    stands = holds(validity)
+    validity, stands = trust.of_point(point.crossings, point.marches), trust.point_stands(point)
+    edge = trust.largest_edge(point.marches)
     return {
         "mach": point.mach,
         "V_f": number(first.V_f) if first else None,
@@ -145,9 +145,10 @@ def point_data(point: BoundaryPoint) -> dict[str, Any]:
         "kind": first.kind if first else None,
         "by_value": by_value.of_point(point, first.V_f if first else None),
         "static_divergence_V_f": number(point.divergence),
-        "outcome": point.outcome if validity is None or stands else f"{point.outcome}; {broken(validity)}",
+        "outcome": point.outcome if validity is None or stands else f"{point.outcome}; {broken(validity, edge)}",
         "converged": point.converged,
         "slosh_validity": number(validity),
+        **({} if edge == EDGE else {"slosh_validity_edge": edge}),
         "slosh_holds": None if validity is None else stands,
         "crossings": [
             {
@@ -217,6 +218,8 @@ def march_summary(data: dict[str, Any]) -> str:
             lines.append(f"  note: {kind} iteration not converged in {count} of {data['steps']} steps")
     if data["slosh_holds"] is False:
         lines.append(f"  the motion as computed: {data['motion_verdict']}")
+    elif data["slosh_validity"] is not None and data["slosh_validity"] > EDGE:
+        lines.append(f"  slosh        {averaged(data['slosh_validity'], data['slosh_validity_edge'])}")
     if data["note"]:
         lines.append(f"  note: {data['note']}")
     if data["stopped"]:
@@ -261,7 +264,7 @@ def boundary_summary(points: list[dict[str, Any]]) -> str:
     for p in points:
         if p["slosh_holds"] is False:
             worst = math.inf if p["slosh_validity"] is None else p["slosh_validity"]
-            lines.append(f"  {p['mach']:<6.3f}  UNDETERMINED: {broken(worst)}; as computed:")
+            lines.append(f"  {p['mach']:<6.3f}  UNDETERMINED: {broken(worst, p.get('slosh_validity_edge', EDGE))}; as computed:")
         if p["V_f"] is None:
             lines += [f"  {p['mach']:<6.3f}  {p['outcome']}", *by_value.point_lines(p), *_static_lines(p)]
             continue

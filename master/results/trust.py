@@ -1,9 +1,9 @@
 """Does the slosh model hold in what was computed? A verdict or a boundary that rests on a model outside its limits is none.
 
-Slosh FMUs with an output `validity` say how far they are from their limit: 1 is the edge. What counts is the largest value of the
-whole march, forced part included: the waves at the release are those that the forced motion left, and a surface once broken stays
-so. A crossing of a boundary rests on the marches nearest below and above its V_f; where there is no crossing, the statement that
-there is none rests on all marches."""
+Slosh FMUs with an output `validity` say how far they are from their limit: 1 is the edge, or their `validity_edge`. What counts
+is the largest value of the whole march, forced part included: the waves at the release are those that the forced motion left,
+and a surface once broken stays so. A crossing of a boundary rests on the marches nearest below and above its V_f; where there is
+no crossing, the statement that there is none rests on all marches."""
 
 from __future__ import annotations
 
@@ -30,19 +30,40 @@ def validity(march: March) -> float | None:
     return float(known.max()) if known.size else None
 
 
+def edge(march: March) -> float:
+    """Up to where the slosh FMU's validity lets a verdict stand: its `validity_edge`, or 1."""
+    told = march.history.get("slosh_validity_edge")
+    return float(np.nanmax(told)) if told is not None and np.size(told) else EDGE
+
+
+def stands(march: March) -> bool:
+    """Whether the slosh model held in a march."""
+    return holds(validity(march), edge(march))
+
+
+def point_stands(point: BoundaryPoint) -> bool:
+    """Whether it held in what a Mach number of a boundary rests on."""
+    return holds(of_point(point.crossings, point.marches), largest_edge(point.marches))
+
+
+def largest_edge(marches: Sequence[March]) -> float:
+    """Of marches with one slosh model; all have the same."""
+    return max((edge(m) for m in marches), default=EDGE)
+
+
 def verdict(march: March) -> Verdict:
     """The verdict that stands: `march.verdict` is one on the motion as computed."""
-    return march.verdict if holds(validity(march)) else Verdict.UNDETERMINED
+    return march.verdict if stands(march) else Verdict.UNDETERMINED
 
 
 def remedy(march: March) -> str:
     """What to do about it: waves that are too high shrink with the motion, a liquid that is too viscous does not."""
     told = march.history["slosh_validity"]
-    if told[0] > EDGE:  # at rest already
+    if told[0] > edge(march):  # at rest already
         return 'slosh.model = "vof": no motion is small enough for this liquid in this tank'
     worst = validity(march)
     assert worst is not None
-    smaller = f"{1.1 * worst:.2g} times smaller" if np.isfinite(worst) else "far smaller"
+    smaller = f"{1.1 * worst / edge(march):.2g} times smaller" if np.isfinite(worst) else "far smaller"
     return f'motions {smaller} (flutter.forced_amplitude_deg; fewer free cycles where they grow), or slosh.model = "vof"'
 
 
@@ -64,7 +85,7 @@ def of_point(crossings: Sequence[Crossing], marches: Sequence[March]) -> float |
 
 def decided(point: BoundaryPoint) -> bool:
     """Whether the boundary at a Mach number is within its tolerance and rests on a model that holds."""
-    return point.converged and holds(of_point(point.crossings, point.marches))
+    return point.converged and point_stands(point)
 
 
 def largest(marches: Sequence[March]) -> float | None:

@@ -17,6 +17,8 @@ from ..case.case import Slosh
 
 RESERVED = ("quadratic", "arx", "rbf_feedback", "ems", "bilinear")  # the other networks of a training, and the equations
 REQUIRED = ("slosh.tank_length", "slosh.tank_height", "slosh.fill_level", "slosh.liquid_density", "slosh.liquid_viscosity")
+USED = ("training.cells_x", "training.cells_y", "training.step")  # keys of [training] that a violent training reads
+FILL = "slosh.fill_level"
 IDLE = (
     "model",
     "predictor",
@@ -51,12 +53,37 @@ class Training:
 
 
 @dataclass
+class Violent:
+    """Records of breaking surfaces and the branch of a network for them."""
+
+    train: int = key(0, "records to train on; above 0 a violent branch is trained, and nothing else", low=0, high=100000)
+    marches: int = key(150, "more of them, as flutter marches move the tank", low=1, high=100000)
+    validation: int = key(32, "records to choose by", low=4, high=10000)
+    test: int = key(40, "records to measure by, each with a twin", low=4, high=10000)
+    fills: list[float] = field(
+        default_factory=lambda: [0.3, 0.7], metadata=rule("least and most fill of the records", low=0.05, high=0.95)
+    )
+    test_fills: list[float] = field(
+        default_factory=lambda: [0.5, 0.5, 0.4, 0.6, 0.35], metadata=rule("fills of the tests, in turn", low=0.05, high=0.95)
+    )
+    centres: list[int] = field(default_factory=lambda: [120], metadata=rule("numbers of Gaussians tried", low=1, high=1000))
+    spreads: list[float] = field(
+        default_factory=lambda: [1.2, 1.4], metadata=rule("their spreads, in distances of neighbouring centres", above=0.0)
+    )
+    ridges: list[float] = field(default_factory=lambda: [1e-3, 1e-2, 1e-1], metadata=rule("ridges tried", above=0.0))
+    work: float = key(3.0, "weight of the work of a cycle against a sample of the force", low=0.0, high=1e3)
+    thin: int = key(4, "every so many samples are used", low=1, high=1000)
+    seed: int = key(0, "of centres and sampling", low=0)
+
+
+@dataclass
 class TrainingCase:
     """A training file. `name` is the file's stem, and the network's."""
 
     name: str = "slosh_rbf"
     slosh: Slosh = field(default_factory=Slosh)
     training: Training = field(default_factory=Training)
+    violent: Violent = field(default_factory=Violent)
 
 
 TABLES: dict[str, Any] = {n: h for n, h in typing.get_type_hints(TrainingCase).items() if dataclasses.is_dataclass(h)}
@@ -71,7 +98,10 @@ def load(path: Path, overrides: Sequence[str] = ()) -> TrainingCase:
     for override in overrides:
         settings.override(case, TABLES, override)
         given.add(override.partition("=")[0].strip())
-    checks.require(case, REQUIRED, given, str(path), "a training")
+    breaks = case.violent.train > 0
+    checks.require(case, [n for n in REQUIRED if not (breaks and n == FILL)], given, str(path), "a training")
+    if breaks:
+        _check_violent(case, given, path)
     plausible.refuse_liquid(case, str(path))
     if case.name in RESERVED:
         raise AeroSloshError(
@@ -86,6 +116,21 @@ def load(path: Path, overrides: Sequence[str] = ()) -> TrainingCase:
             "leave it out: records are made on the axis, on training.cells_*",
         )
     return case
+
+
+def _check_violent(case: TrainingCase, given: set[str], path: Path) -> None:
+    """What a violent training has no use for, and fills that make no sense."""
+    idle = sorted(n for n in given if n == FILL or (n.startswith("training.") and n not in USED))
+    if idle:
+        raise AeroSloshError(f"{idle[0]} has no effect on a violent training", str(path), "leave it out; fills are violent.fills")
+    fills = case.violent.fills
+    if len(fills) != 2 or not fills[0] < fills[1]:
+        raise AeroSloshError(
+            f"violent.fills = {fills}", str(path), "give the least and the largest fill, for instance [0.3, 0.7]"
+        )
+    for name in ("test_fills", "centres", "spreads", "ridges"):
+        if not getattr(case.violent, name):
+            raise AeroSloshError(f"violent.{name} is empty", str(path), "give at least one value")
 
 
 def dump(case: TrainingCase) -> str:
