@@ -14,6 +14,7 @@ import numpy as np
 
 from .verdict import Judgement, Verdict
 
+SAME_MODE = 0.1  # share of the median frequency within which members show the same mode
 SURE = 2.0  # standard errors of the mean beyond which its sign is taken to be known
 MORE_MEMBERS = "more members (slosh.members), or more free cycles (flutter.free_cycles)"
 
@@ -31,14 +32,17 @@ class Member:
 
 @dataclasses.dataclass(frozen=True)
 class Ensemble:
-    """Members of one point. `known` are those with a growth rate of an oscillation."""
+    """Members of one point. Those count whose growth rate is known and of the mode that most of them show: a fit may read
+    another one where the fuel's impacts are as large as what is left of the motion."""
 
     members: tuple[Member, ...]
 
     @property
     def known(self) -> tuple[Member, ...]:
-        """Those whose growth rate is known."""
-        return tuple(m for m in self.members if math.isfinite(m.growth_rate) and m.frequency)
+        """Those that count."""
+        found = [m for m in self.members if math.isfinite(m.growth_rate) and m.frequency]
+        middle = float(np.median([m.frequency for m in found])) if found else 0.0
+        return tuple(m for m in found if abs(m.frequency - middle) <= SAME_MODE * middle)
 
     @property
     def mean(self) -> float:

@@ -36,12 +36,7 @@ def crossings(table: pd.DataFrame, title: str) -> Figure:
 
     figure, axis = canvas.subplots(figsize=(7, 4.5), layout="constrained")
     for name, group in table.groupby("name"):
-        style = {
-            "fmt": look.CROSSING_MARKS.get(name, "v"),
-            "color": look.CROSSINGS.get(name, look.GREY),
-            "capsize": 3,
-            "label": name,
-        }
+        style = {"fmt": look.CROSSING_MARKS.get(name, "v"), "color": look.CROSSINGS.get(name, look.GREY)}
         axis.errorbar(group["mach"], group["V_f"], yerr=group["V_f_uncertainty"].fillna(0.0), capsize=3, label=name, **style)
     axis.set_xlabel(look.MACH)
     axis.set_ylabel(look.SPEED_INDEX)

@@ -42,7 +42,8 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
              "moment_residual": "N", "static_force_y": "N/m", "static_moment": "N", "liquid_mass": "kg/m",
              "liquid_static_moment": "kg", "liquid_inertia": "kg.m", "liquid_stiffness": "N/rad", "force_x_tank": "N/m",
              "force_y_tank": "N/m", "force_west": "N/m", "force_east": "N/m", "liquid_volume": "m3", "wave_height_west": "m",
-             "wave_height_east": "m", "work": "J/m", "time_step": "s", "steps": "Integer", "iterations": "Integer",
+             "wave_height_east": "m", "work": "J/m", "wave_growth": "1", "time_step": "s", "steps": "Integer",
+             "iterations": "Integer",
              "residual": "1", "converged": "Boolean", "failed": "Boolean", "error": "String"}  # fmt: skip
     loads |= {f"probe{n}_{name}": "Pa" for n in range(1, 7) for name in ("pressure", "pressure_area", "pressure_mean")}
     loads |= {f"gauge{n}_height": "m" for n in range(1, 5)}

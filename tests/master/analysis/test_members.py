@@ -51,5 +51,7 @@ def test_a_member_without_growth_rate_is_counted_but_not_averaged() -> None:
     some = Ensemble((*whole.members, lost))
     assert some.mean == whole.mean and len(some.members) == 5
     assert some.as_data()["growth_rates"][-1] is None
+    other = Ensemble((*whole.members, Member(9, 0.3, 1e-5, 2.5, Verdict.FLUTTER)))  # an impact's pole
+    assert other.mean == whole.mean and other.as_data()["seeds"][-1] == 9
     alone = Ensemble((whole.members[0], lost))
     assert alone.judged(BAND).verdict is Verdict.UNDETERMINED

@@ -22,6 +22,7 @@ from support.swept import alive, children, ledger, numbers, run, sweep, times, w
 SMALL = (
     "--set", "aero.cells_around=64", "--set", "aero.cells_normal=16", "--set", "flutter.steps_per_cycle=72",
     "--set", "flutter.forced_cycles=1.0", "--set", "flutter.free_cycles=2.0", "--no-pictures",
+    "--set", "flutter.companion=false",
 )  # fmt: skip
 
 
