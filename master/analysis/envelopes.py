@@ -71,12 +71,15 @@ def curve(found: Sequence[Envelope]) -> tuple[np.ndarray, np.ndarray, np.ndarray
         return np.zeros(0), np.zeros(0), np.zeros(0)
     amplitude, rate = np.concatenate([e.amplitude for e in whole]), np.concatenate([e.rate for e in whole])
     bins = np.floor(np.log(amplitude) / BIN).astype(int)
-    rows = []
-    for b in np.unique(bins):
-        inside = rate[bins == b]
-        middle, size = float(np.median(inside)), math.exp(float(np.mean(np.log(amplitude[bins == b]))))
-        spread = 1.4826 * float(np.median(np.abs(inside - middle)))
-        rows.append((size, middle, spread / math.sqrt(inside.size)))
+    members = [rate[bins == b] for b in np.unique(bins)]
+    spreads = np.array([1.4826 * float(np.median(np.abs(m - np.median(m)))) for m in members])
+    several = spreads[[m.size >= 3 for m in members]]
+    least = float(np.median(several)) if several.size else 0.0  # one window alone does not tell how far it may be off
+    sizes = [math.exp(float(np.mean(np.log(amplitude[bins == b])))) for b in np.unique(bins)]
+    rows = [
+        (size, float(np.median(m)), max(spread, least if m.size < 3 else 0.0) / math.sqrt(m.size))
+        for size, m, spread in zip(sizes, members, spreads, strict=True)
+    ]
     return tuple(np.array(column) for column in zip(*rows, strict=True))  # type: ignore[return-value]
 
 
