@@ -11,7 +11,6 @@ is refused (`check`).
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ import numpy as np
 
 from ..kit.compiled import jit
 from .memory import Array
-from .network import FORMAT, NetworkError, write_archive
+from .network import FORMAT, NetworkError, of_kind, write_archive
 
 KIND = "feedback"
 ARRAYS = ("shift", "scale", "output_shift", "output_scale", "linear", "centres", "weights")
@@ -102,11 +101,7 @@ def save(net: Feedback, path: Path) -> None:
 def load(path: Path) -> Feedback:
     """Read a network that `save` wrote. Raises NetworkError for another file, and what `check` raises."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        text = json.loads(arrays.pop("text").tobytes())
-        if (text.pop("format"), text.pop("kind")) != (FORMAT, KIND):
-            raise ValueError("another kind or format")
+        text, arrays = of_kind(path, KIND)
         net = Feedback(**{**text, "delays": tuple(text["delays"])}, **arrays)
     except Exception as error:  # numpy, json and zipfile raise a dozen kinds
         raise NetworkError(f"{path.name} is no network with feedback: {error}. Remedy: give a file that `train` wrote") from None

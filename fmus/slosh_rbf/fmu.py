@@ -34,7 +34,6 @@ from .network import Network, NetworkError, untrained
 from .surrogate import Answer, State
 from .violent_network import Violent
 from .violent_network import load as read_branch
-from .violent_tank import ViolentSurrogate
 
 INPUTS = (*MOTION, *SURGE)
 SHAPE = ("alpha", "tank_length", "tank_height", "fill_level")
@@ -149,7 +148,7 @@ class SloshRbf(Slave):
         liquid = Load(whole.force_x, whole.force_y + weight, whole.moment - weight * self.tank.x)
         self.force_x_residual, self.force_y_residual, self.moment_residual = residual_load(liquid, self.tank, motion)
         self.extrapolation, self.unevenness, self.wave_growth = answer.extrapolation, answer.uneven, answer.growth
-        edge = 2.0 if isinstance(self.model, ViolentSurrogate) else 1.0
+        edge = self.model.edge
         # a liquid too viscous for its training is outside whatever the surface does
         self.worst = max(self.worst, answer.validity, self.friction if self.friction <= 1.0 else self.friction + edge - 1.0)
         self.validity, self.validity_edge, self.force_y_deviation = self.worst, edge, answer.deviation

@@ -89,6 +89,22 @@ def write_archive(path: Path, about: Mapping[str, Any], arrays: Mapping[str, Arr
         raise
 
 
+def read_archive(path: Path) -> tuple[Any, dict[str, Array]]:
+    """What `write_archive` wrote: the text and the arrays. Raises what numpy, json and zipfile raise."""
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    return json.loads(arrays.pop("text").tobytes()), arrays
+
+
+def of_kind(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The same of an archive of this kind, without format and kind. Raises ValueError for another one, and like
+    `read_archive`."""
+    text, arrays = read_archive(path)
+    if (text.pop("format"), text.pop("kind")) != (FORMAT, kind):
+        raise ValueError("another kind or format")
+    return text, arrays
+
+
 def untrained(name: str, bilinear: bool) -> Network:
     """The base alone: "ems" (linear) or "bilinear"; it may be used anywhere."""
     weights = Weights(
@@ -101,9 +117,7 @@ def untrained(name: str, bilinear: bool) -> Network:
 def load(path: Path) -> Network:
     """Read a network. Raises NetworkError for a file that is none, or whose arrays do not fit or are not finite."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        text = json.loads(arrays.pop("text").tobytes())
+        text, arrays = read_archive(path)
         reach = arrays.pop("reach")
         weights = Weights(bool(arrays.pop("bilinear")), **arrays)
         m = len(weights.sharpness)

@@ -95,6 +95,8 @@ class Surrogate:
     sqrt(g/l), loads with the weight. Other shapes are refused (NetworkError). The offset from the elastic axis is exact: motion
     and load are taken at the liquid."""
 
+    edge = 1.0  # of the validity: up to here the loads hold
+
     def __init__(self, network: Network, tank: Tank, viscosity: float, gas_density: float) -> None:
         fits(network.name, network.shape, network.room, tank)
         self.network, self.tank = network, tank

@@ -10,7 +10,6 @@ it is of the size Q sum_j g_j N_j, with N_j from records that were not trained o
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,7 +21,7 @@ from ..kit.cache import argument
 from ..kit.compiled import jit
 from ..tank.liquid import Tank
 from .memory import Array
-from .network import FORMAT, NetworkError, write_archive
+from .network import FORMAT, NetworkError, of_kind, write_archive
 from .violent_memory import BASIS, ENERGY, SPACE, UNEVEN, Basin, share, tell
 
 KIND = "violent"
@@ -84,11 +83,7 @@ class Violent:
 def load(path: Path) -> Violent:
     """Read a branch. Raises NetworkError for a file that is none, or whose arrays do not fit or are not finite."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        text = json.loads(arrays.pop("text").tobytes())
-        if (text.pop("format"), text.pop("kind")) != (FORMAT, KIND):
-            raise ValueError("another kind or format")
+        text, arrays = of_kind(path, KIND)
         sharpness, limit = float(arrays.pop("sharpness")), float(arrays.pop("limit"))
         weights = ViolentWeights(**arrays, sharpness=sharpness, limit=limit)
         branch = Violent(weights=weights, **{**text, "fills": tuple(text["fills"])})

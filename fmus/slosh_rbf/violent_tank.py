@@ -30,6 +30,8 @@ class ViolentSurrogate:
     density [kg/m3] of the gas. The tank must be one that the branch knows (`Violent.knows`); raises NetworkError where the
     network does not know its height."""
 
+    edge = 2.0  # of the validity: up to here the work of the loads holds
+
     def __init__(self, network: Network, branch: Violent, tank: Tank, viscosity: float, gas_density: float) -> None:
         self.calm = Surrogate(calm_part(network, tank), tank, viscosity, gas_density)
         self.branch, self.tank, self.body = branch, tank, self.calm.body

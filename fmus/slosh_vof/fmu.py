@@ -19,9 +19,9 @@ from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
 from ..kit.variables import Variable, input_, output, parameter
 from ..tank import faraday, plausible
-from ..tank.frozen import Load, constants, residual_load
+from ..tank.frozen import Load, constants, power, residual_load
 from ..tank.liquid import Tank, TankError
-from ..tank.motion import SectionMotion, body_force
+from ..tank.motion import SectionMotion
 from . import instruments, vtk
 from .flow import Flow, FlowError, Fluids, Numerics, StepReport
 from .grid import Baffles, Grid, GridError
@@ -90,7 +90,7 @@ class SloshVof(Slave):
                quantity="Length", depends=SURFACE),
         output("wave_height_east", "m", "Liquid column at the east (aft) wall above the still level, tank axes",
                quantity="Length", depends=SURFACE),
- *instruments.outputs(SOLVED, SURFACE),
+        *instruments.outputs(SOLVED, SURFACE),
         output("work", "J/m", "Work of liquid and gas on the tank since the start; negative: taken out of its motion",
                quantity="EnergyPerLength"),
         output("wave_growth", "1", "Logarithm of the growth of waves that gravity's changes feed (Faraday), by linear theory"),
@@ -142,7 +142,7 @@ class SloshVof(Slave):
         except ShapeError as error:
             raise StepError(str(error)) from error
         self._publish(self.flow.start_from(level, self.motion))
-        self.work, self.power = 0.0, self._power()
+        self.work, self.power = 0.0, power(self._load, self.motion)
         self.wave_growth, self.waves = 0.0, faraday.still()
         self._write(self.time)
 
@@ -153,11 +153,11 @@ class SloshVof(Slave):
             report = self.flow.advance(self.motion, end, step_size)
         except FlowError as error:
             raise StepError(str(error)) from error
-        before, after = self._uneven(self.motion), self._uneven(end)
+        before, after = (faraday.gravity_change(self.tank, motion) for motion in (self.motion, end))
         self.wave_growth = float(faraday.grow(self.waves, before, after, step_size, self.faraday))
         self.motion, self.count = end, self.count + 1
         self._publish(report)
-        before, self.power = self.power, self._power()
+        before, self.power = self.power, power(self._load, self.motion)
         self.work += 0.5 * step_size * (before + self.power)
         self._write(time + step_size)
 
@@ -172,14 +172,9 @@ class SloshVof(Slave):
         self.motion, self.count = SectionMotion(*snapshot["motion"]), snapshot["count"]
         self.power, self.waves = snapshot["power"], snapshot["waves"].copy()
 
-    def _power(self) -> float:
-        """Of the loads on the tank in its motion [W/m]."""
-        m = self.motion
-        return float(self.force_x * m.x_dot - self.force_y * m.h_dot + self.moment * m.alpha_dot)
-
-    def _uneven(self, motion: SectionMotion) -> float:
-        """The change of gravity that the liquid's centre feels, over gravity."""
-        return -body_force(motion, self.tank.x, self.tank.centre_y, self.gravity)[1] / self.gravity - 1.0
+    @property
+    def _load(self) -> Load:
+        return Load(self.force_x, self.force_y, self.moment)
 
     def _motion(self) -> SectionMotion:
         return SectionMotion(*(getattr(self, name) for name in INPUTS))

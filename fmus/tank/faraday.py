@@ -18,6 +18,7 @@ from ..kit.cache import argument
 from ..kit.compiled import jit
 from .liquid import Tank
 from .modes import stokes_damping, wave_frequencies
+from .motion import SectionMotion, body_force
 from .oscillators import LARGEST_DAMPING
 
 Array = NDArray[np.float64]
@@ -46,6 +47,11 @@ def still() -> Array:
     state = np.zeros((WAVES, 5))
     state[:, 0] = state[:, 3] = math.sqrt(0.5)
     return state
+
+
+def gravity_change(tank: Tank, motion: SectionMotion) -> float:
+    """gamma: the change of the gravity that the liquid's centre feels, over gravity."""
+    return -body_force(motion, tank.x, tank.centre_y, tank.gravity)[1] / tank.gravity - 1.0
 
 
 @jit

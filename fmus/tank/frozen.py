@@ -70,6 +70,11 @@ def residual_load(whole: Load, tank: Tank, motion: SectionMotion) -> Load:
     return Load(whole.force_x - carried.force_x, whole.force_y - carried.force_y, whole.moment - carried.moment)
 
 
+def power(load: Load, motion: SectionMotion) -> float:
+    """Of a load on the tank in its motion [W], moment and pitch about the elastic axis."""
+    return load.force_x * motion.x_dot - load.force_y * motion.h_dot + load.moment * motion.alpha_dot
+
+
 def constants(tank: Tank) -> dict[str, float]:
     """What every slosh FMU tells of its liquid, by the names of the outputs."""
     rest = static_load(tank)

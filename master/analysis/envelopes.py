@@ -1,8 +1,8 @@
 """Growth rate as a function of amplitude, from the envelopes of free motions, and the limit cycles that follow from it.
 
 One march passes through a range of amplitudes: at each of them its envelope grows or decays at the rate that the motion has
-there. Where the rate falls through zero with the
-amplitude there is a stable limit cycle, where it rises through zero an unstable one: motions above it run away.
+there. Where the rate falls through zero with the amplitude there is a stable limit cycle, where it rises through zero an unstable
+one: motions above it run away.
 """
 
 from __future__ import annotations

@@ -21,7 +21,8 @@ MORE_MEMBERS = "more members (slosh.members), or more free cycles (flutter.free_
 
 @dataclasses.dataclass(frozen=True)
 class Member:
-    """What counts of one march: growth rate with the fit's standard deviation, frequency, over omega_alpha; nan without a fit."""
+    """What counts of one march: growth rate of its critical mode with the fit's standard deviation, frequency (0: a real pole),
+    over omega_alpha; nan without a fit."""
 
     seed: int
     growth_rate: float
@@ -72,6 +73,8 @@ class Ensemble:
         said = f"{len(self.members)} members: growth rate {self.mean:+.5f} ± {self.error:.5f}, one march ± {self.sd:.5f}"
         if len(verdicts) == 1 and Verdict.UNDETERMINED not in verdicts:
             return Judgement(next(iter(verdicts)), f"all of {said}", True, None)
+        if Verdict.DIVERGENCE in verdicts:
+            return Judgement(Verdict.UNDETERMINED, f"{said}: divergence in some of them", False, None, MORE_MEMBERS)
         if not math.isfinite(self.error):
             return Judgement(Verdict.UNDETERMINED, f"{said}: too few growth rates", False, None, MORE_MEMBERS)
         if abs(self.mean) > SURE * self.error:

@@ -31,6 +31,8 @@ from .progress import Callback, Reporter, interruptible, reporter
 START_DEG = (0.1, 0.3, 1.0, 3.0)  # forced amplitudes
 FREE_CYCLES = 20.0
 BESIDE = (0.6, 1.6)  # of a limit cycle's amplitude: marches that confirm it from below and from above
+MOST_DEG = 20.0  # of the forced pitch
+THERE = 0.1  # of ln amplitude from a limit cycle: as good as on it
 TURNED = 3  # last windows of a march that tell where it goes
 
 
@@ -70,12 +72,10 @@ def amplitude(
 
     Claims hold for amplitudes between the smallest and the largest marched, over `free_cycles` periods of omega_alpha.
     Raises AeroSloshError, ComponentError when an FMU fails."""
-    core = with_changes(case, {"flow.mach": mach, "slosh.model": slosh, "flutter.free_cycles": free_cycles}, "point")
+    cycles_asked = {"flutter.free_cycles": free_cycles, "flutter.max_free_cycles": free_cycles}
+    core = with_changes(case, {"flow.mach": mach, "slosh.model": slosh, **cycles_asked}, "point")
     speeds = [core.flutter.V_f] if V_f is None else [float(v) for v in np.atleast_1d(np.asarray(V_f, dtype=float))]
-    starts = sorted(float(a) for a in starts_deg)
-    if not starts or not all(math.isfinite(a) and 0.0 < a <= 20.0 for a in starts):
-        raise AeroSloshError(f"starts_deg = {list(starts_deg)}", "ae.amplitude", "amplitudes above 0 and at most 20 degrees")
-    core = dataclasses.replace(core, flutter=dataclasses.replace(core.flutter, max_free_cycles=free_cycles))
+    starts = checked_starts(starts_deg, f"starts_deg = {list(starts_deg)}", "ae.amplitude")
     found = find_fmus(fmu_folder(fmus), core.slosh.model, core.slosh.predictor)
     check_fmus(core, found)
     report, told = reporter(progress), warned([core], "point")
@@ -87,6 +87,13 @@ def amplitude(
             data = compute(core, found, speeds, starts, report, run) | told
             write(core, data, run, found)
         return Amplitude(Case(core), data, run.target)
+
+
+def checked_starts(given: Sequence[float], what: str, where: str) -> list[float]:
+    """Amplitudes of the forced pitch [deg], rising. Raises AeroSloshError."""
+    if not given or not all(math.isfinite(a) and 0.0 < a <= MOST_DEG for a in given):
+        raise AeroSloshError(what, where, f"amplitudes above 0 and at most {MOST_DEG:g} degrees")
+    return sorted(float(a) for a in given)
 
 
 def compute(
@@ -147,14 +154,10 @@ def _at_speed(setup: FlutterSetup, case: cases.Case, V_f: float, starts: Sequenc
             sides = []
             for share, name in zip(BESIDE, ("below", "above"), strict=True):
                 forced = share * c.amplitude / float(np.median(released))
-                if not 0.0 < forced <= 20.0:
-                    continue
-                of_it = go(forced)
-                grows = float(np.median(of_it.rate[-TURNED:])) if of_it.amplitude.size else math.nan
-                near = of_it.amplitude.size > 0 and abs(math.log(of_it.amplitude[-1] / c.amplitude)) < 0.1
-                towards = near or (grows > 0.0) == (of_it.amplitude.size > 0 and of_it.amplitude[-1] < c.amplitude)
-                if math.isfinite(grows) and towards == c.stable:
-                    sides.append(name)
+                if forced <= MOST_DEG:
+                    of_it = go(forced)
+                    if of_it.amplitude.size and _comes(of_it, c.amplitude) == c.stable:
+                        sides.append(name)
             confirmed.append((c, "both" if len(sides) == 2 else "".join(sides)))
     finally:
         setup.case = case
@@ -165,6 +168,12 @@ def _at_speed(setup: FlutterSetup, case: cases.Case, V_f: float, starts: Sequenc
         "curve": [dict(zip(("amplitude_deg", "growth_rate", "standard_error"), row, strict=True)) for row in _rows(envelopes)],
         "cycles": [_cycle_data(c, confirmed) for c in again],
     }
+
+
+def _comes(e: Envelope, size: float) -> bool:
+    """Whether a motion comes to the amplitude `size`: it ends there, or on its way there."""
+    last = float(e.amplitude[-1])
+    return abs(math.log(last / size)) < THERE or (float(np.median(e.rate[-TURNED:])) > 0.0) == (last < size)
 
 
 def _envelope(march: March) -> Envelope:

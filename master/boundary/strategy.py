@@ -145,12 +145,12 @@ class Confirm:
         near = [m for m in searched if take(m).known]
         if not b.companion or b.uncertainty or b.richardson or not near:
             return crossing
+        if abs(crossing.slope) * crossing.V_f <= FLAT:
+            return dataclasses.replace(crossing, missing=crossing.missing + coarse_marches.PARTS)
         nearest = min(near, key=lambda m: abs(m.scales.V_f - crossing.V_f))
         pole = complex(take(nearest).growth_rate, take(nearest).frequency)
         told = coarse_marches.change(self.open_setup, self.case, nearest, pole, lambda text: self.say(f"  {text}"))
         checks += told.marches
-        if abs(crossing.slope) * crossing.V_f <= FLAT:
-            return dataclasses.replace(crossing, missing=crossing.missing + coarse_marches.PARTS)
         parts = {name: -rate / crossing.slope for name, rate in told.growth_rate.items()}
         return dataclasses.replace(crossing, parts=crossing.parts | parts, missing=crossing.missing + told.missing)
 

@@ -97,7 +97,6 @@ class Tank:
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
         path, self._settings = fmus[FMU[settings.model]], settings
-        self.seed = settings.seed if settings.model == "vof" else 0
         self.moving: Component | None = None
         self.surrogate: Component | None = None
         try:
@@ -148,11 +147,11 @@ class Tank:
         level /= (int(baffles.get("baffle_count", 0)) + 1) ** 2 if parted else 1
         return self.liquid.stiffness - level
 
-    def _disturbance(self) -> dict[str, Any]:
-        """Parameters of the waves by which this member of an ensemble differs; the case's own spectrum takes another seed."""
-        if not self.seed:
+    def _disturbance(self, seed: int) -> dict[str, Any]:
+        """Parameters of the waves by which a member of an ensemble differs; the case's own spectrum takes another seed."""
+        if not seed or self._settings.model != "vof":
             return {}
-        return {"initial_spectrum": self._parameters.get("initial_spectrum") or PERTURBATION, "initial_seed": self.seed}
+        return {"initial_spectrum": self._parameters.get("initial_spectrum") or PERTURBATION, "initial_seed": seed}
 
     def close(self) -> None:
         """Free the instances."""
@@ -160,11 +159,11 @@ class Tank:
             if component is not None:
                 component.close()
 
-    def restart(self) -> None:
-        """A liquid at rest, to be initialised with the section."""
+    def restart(self, seed: int) -> None:
+        """A liquid at rest, to be initialised with the section; `seed`: slosh.seed of the member."""
         if self.moving is not None:
             self.moving.restart()
-            self.moving.set_all(self._parameters | self._disturbance())
+            self.moving.set_all(self._parameters | self._disturbance(seed))
         if self.surrogate is not None:
             self.surrogate.restart()
             self.surrogate.set_all(self._surrogate_parameters)

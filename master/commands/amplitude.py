@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import math
 from typing import Any
 
 from ..api import amplitude as api
 from ..api.point import check_fmus
-from ..base.errors import AeroSloshError, ExitCode
+from ..base.errors import ExitCode
 from ..cosim.progress import Progress
 from ..flutter.setup import find_fmus
 from ..results.run_folder import RunFolder
@@ -35,8 +34,7 @@ def register(commands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """March, read envelopes, confirm."""
-    if not all(math.isfinite(a) and 0.0 < a <= 20.0 for a in options.starts):
-        raise AeroSloshError(f"--from {options.starts}", "command line", "amplitudes above 0 and at most 20 degrees")
+    starts = api.checked_starts(options.starts, f"--from {options.starts}", "command line")
     changes = {"flow.mach": options.mach, "flutter.free_cycles": options.cycles, "flutter.max_free_cycles": options.cycles}
     if options.vf:
         changes["flutter.V_f"] = options.vf[0]
@@ -49,7 +47,7 @@ def execute(options: argparse.Namespace) -> int:
         folder.write_case(case)
         told = common.tell(options, [case], "point", folder.log)
         speeds = options.vf or [case.flutter.V_f]
-        data = api.compute(case, fmus, speeds, sorted(options.starts), progress, folder) | told
+        data = api.compute(case, fmus, speeds, starts, progress, folder) | told
         summary = "\n".join(
             [f"{case.name}, Mach {case.flow.mach:g}: limit cycles", *("  " + api.said(r) for r in data["speeds"])]
         )

@@ -30,11 +30,10 @@ def member(case: Case, seed: int) -> Case:
 
 def of_march(march: March, seed: int) -> Member:
     """What counts of `march`."""
-    mode = march.fit.oscillation if march.fit is not None else None
-    if march.fit is None or mode is None or march.failure is not None:
+    fit = march.fit if march.failure is None else None
+    if fit is None:
         return Member(seed, math.nan, math.nan, math.nan, march.verdict)
-    std = march.fit.growth_rate_uncertainty if mode is march.fit.flutter else mode.growth_rate_std
-    return Member(seed, mode.growth_rate, std, mode.frequency, march.verdict)
+    return Member(seed, fit.growth_rate, fit.growth_rate_uncertainty, fit.frequency, march.verdict)
 
 
 def marches(setup: FlutterSetup, V_f: float, watch: Callable[[], Watcher | None] = lambda: None) -> list[March]:
@@ -43,23 +42,19 @@ def marches(setup: FlutterSetup, V_f: float, watch: Callable[[], Watcher | None]
     try:
         for seed in seeds(case):
             setup.case = member(case, seed)
-            if setup.tank is not None:
-                setup.tank.seed = seed
             done.append(flutter_march.march(setup, V_f, None, watch()))
             if done[-1].failure is not None:
                 break
     finally:
         setup.case = case
-        if setup.tank is not None:
-            setup.tank.seed = case.slosh.seed
     return done
 
 
 def averaged(march: March, ensemble: Ensemble, band: float) -> March:
     """`march`, of the first member, with growth rate, frequency, their error bars and the verdict of the ensemble."""
     said = ensemble.judged(band)
-    fit, mode = march.fit, march.fit.oscillation if march.fit is not None else None
-    if fit is not None and mode is not None and len(ensemble.known) > 1:
+    fit, mode = march.fit, march.fit.flutter if march.fit is not None else None
+    if fit is not None and mode is not None and mode.frequency and len(ensemble.known) > 1:
         frequency, frequency_error = ensemble.frequency
         mean = dataclasses.replace(
             mode, growth_rate=ensemble.mean, frequency=frequency, growth_rate_std=ensemble.error, frequency_std=frequency_error

@@ -134,7 +134,7 @@ class FlutterSetup:
             self.structure.restart()
         force_y = slosh_moment = 0.0
         if self.tank is not None:
-            self.tank.restart()
+            self.tank.restart(case.slosh.seed)
             force_y, slosh_moment = self.tank.rest
             self.structure.set_all(self.tank.carried)
         lift, moment = self.aero.get("lift"), self.aero.get("moment")

@@ -44,7 +44,7 @@ def of_march(march: March) -> dict[str, Any] | None:
 def lines(data: dict[str, Any]) -> list[str]:
     """What a person should know of it: nothing where no waves grow."""
     waves = data["waves"]
-    if waves is None or waves["free_cycles"] is None or data["slosh"] not in ("vof", "rbf"):
+    if waves is None or waves["free_cycles"] is None:
         return []
     after = math.ceil(waves["free_cycles"])
     if waves["in_time"]:

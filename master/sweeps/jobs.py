@@ -113,8 +113,6 @@ class Bench:
             setup = FlutterSetup(job.case, job.fmus, job.case.flow.mach)
         self._setups[key] = setup
         setup.case = job.case
-        if setup.tank is not None:
-            setup.tank.seed = job.case.slosh.seed
         for component in setup.system.components:
             component.messages.clear()
         return setup

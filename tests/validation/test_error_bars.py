@@ -1,8 +1,8 @@
 """Error bars of neutral V_f against the finest settings: other sections, Mach numbers and parameters than they were chosen on.
 
-Three coarse linear models and one on the default mesh make the bar, as `aeroslosh boundary --method linear` does; a model on
+Two coarse linear models and one on the default mesh make the bar, as `aeroslosh boundary --method linear` does; a model on
 240 x 72 cells with three quarters of the step, an outer boundary at 300 chords and a tenth of the tolerance is the truth.
-About 25 minutes of CPU."""
+33 minutes beside other jobs."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from aeroslosh.master.analysis.envelopes import curve, cycles, envelope
+from aeroslosh.master.analysis.envelopes import Envelope, curve, cycles, envelope
 
 TAU = np.arange(0.0, 200.0, 0.05)
 
@@ -55,3 +55,12 @@ def test_a_linear_motion_has_none() -> None:
 def test_too_short_a_motion_tells_nothing() -> None:
     assert envelope(TAU[:200], motion(1.0, supercritical)[:200], 0.9).amplitude.size == 0
     assert envelope(TAU, motion(1.0, supercritical), 0.0).amplitude.size == 0
+
+
+def test_one_window_is_as_unsure_as_the_others_of_its_kind() -> None:
+    """Rates that scatter by 0.004 do not make a sign sure where a bin happens to hold one of them."""
+    scatter = 0.004 * np.random.default_rng(0).standard_normal(60)
+    many = Envelope(np.geomspace(1.8, 1.0, 60), scatter - 0.01)
+    alone = Envelope(np.array([2.4]), np.array([0.001]))
+    _, _, error = curve([many, alone])
+    assert error[-1] > 0.002 and cycles([many, alone]) == []

@@ -55,3 +55,9 @@ def test_a_member_without_growth_rate_is_counted_but_not_averaged() -> None:
     assert other.mean == whole.mean and other.as_data()["seeds"][-1] == 9
     alone = Ensemble((whole.members[0], lost))
     assert alone.judged(BAND).verdict is Verdict.UNDETERMINED
+
+
+def test_divergence_in_some_members_is_no_verdict_of_the_others() -> None:
+    grown = Member(9, 0.2, 1e-3, 0.0, Verdict.DIVERGENCE)
+    said = Ensemble((*drawn(-0.01, 0.001, 6).members, grown)).judged(BAND)
+    assert said.verdict is Verdict.UNDETERMINED and "divergence" in said.reason

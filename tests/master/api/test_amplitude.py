@@ -10,6 +10,8 @@ import pytest
 
 import aeroslosh as ae
 from aeroslosh.master import cli
+from aeroslosh.master.analysis.envelopes import Envelope
+from aeroslosh.master.api import amplitude
 from aeroslosh.master.base.errors import AeroSloshError, ExitCode
 from aeroslosh.master.case.case import Case
 from support import theory
@@ -59,3 +61,11 @@ def test_command(flutter_fmus: Path, tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_starts_that_cannot_be_are_refused() -> None:
     with pytest.raises(AeroSloshError, match="starts_deg"):
         ae.amplitude("isogai_a", mach=MACH, V_f=0.6, starts_deg=[-1.0])
+
+
+@pytest.mark.parametrize(
+    ("last", "rate", "comes"), [(2.0, 0.01, True), (2.0, -0.01, False), (8.0, -0.01, True), (8.0, 0.01, False), (5.1, 0.01, True)]
+)
+def test_a_motion_comes_to_a_cycle_from_either_side(last: float, rate: float, comes: bool) -> None:
+    motion = Envelope(np.array([3.0, last]), np.array([rate, rate]))
+    assert amplitude._comes(motion, 5.0) is comes

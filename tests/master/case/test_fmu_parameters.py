@@ -61,7 +61,7 @@ def test_baffles_reach_the_tank(tmp_path: Path, fmus: dict[str, Path]) -> None:
         for _ in range(2):  # as opened, and anew for a march
             found = [tank.moving.get(name) for name in ("baffle_count", "baffle_top", "wall_layer", "cfl", "cells_x")]
             assert found == [2, 0.4, True, 0.4, 40]
-            tank.restart()
+            tank.restart(0)
     finally:
         tank.close()
 

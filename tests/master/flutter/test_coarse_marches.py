@@ -54,7 +54,8 @@ def test_the_truth_is_inside(fmus: dict[str, Path], V_f: float, order: int) -> N
     truth = expected[np.argmin(np.abs(expected - own))]
     data = summary.march_data(march, None, change(case, march, fmus))
     assert abs(own.real - truth.real) < 2.0 * data["growth_rate_uncertainty"]
-    assert data["growth_rate_uncertainty"] < max(0.1 * abs(own.real), 0.02)  # and is no excuse
+    # no excuse: at most twice the error, beside the fits' own scatter
+    assert data["growth_rate_uncertainty"] < 2.0 * abs(own.real - truth.real) + 1e-4
 
 
 def test_a_linear_flow_does_not_depend_on_amplitude(marched: tuple[Case, March], fmus: dict[str, Path]) -> None:
