@@ -191,6 +191,7 @@ def compute(
             found = members.gathered(ensemble.of_march(march, case.slosh.seed))
             march = ensemble.averaged(march, found, case.flutter.neutral_band)
         change = _error_bar(case, fmus, march, say)
+        march = coarse_marches.widened(march, change)
         data = summary.march_data(march, setup.steady_cpu, change) | {"airfoil_summary": setup.airfoil_summary or None}
         if folder is not None:
             folder.log_messages(setup.system.components)

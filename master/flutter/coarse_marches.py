@@ -93,6 +93,19 @@ def change(
     return Change(rates, frequencies, missing, tuple(marches), steady_cpu)
 
 
+def widened(march: March, told: Change) -> March:
+    """`march` whose error bars hold what coarse marches tell: in results, histories and pictures alike."""
+    if march.fit is None:
+        return march
+    fit = dataclasses.replace(
+        march.fit,
+        growth_rate_uncertainty=math.hypot(march.fit.growth_rate_uncertainty, *told.growth_rate.values()),
+        frequency_uncertainty=math.hypot(march.fit.frequency_uncertainty, *told.frequency.values()),
+        contributions=march.fit.contributions | told.growth_rate,
+    )
+    return dataclasses.replace(march, fit=fit)
+
+
 def _nearest(march: March, pole: complex) -> complex:
     """The fitted pole of `march` that is the mode at `pole`; nan where none is near."""
     if march.failure is not None or march.fit is None:

@@ -80,7 +80,7 @@ def draw(points: list[BoundaryPoint], path: Path, reference: Path | None = None,
                 continue
             mach, value, error, frequency = (np.array(column) for column in zip(*found, strict=True))
             style = {"fmt": mark, "color": CROSSINGS[direction], "mfc": "white", "mew": 1.3, "ms": 5.5, "zorder": 3}
-            top.errorbar(mach, value, yerr=2.0 * error, capsize=3, label=f"{direction}{liquid}, marched (± 2 standard)", **style)
+            top.errorbar(mach, value, yerr=2.0 * error, capsize=3, label=f"{direction}{liquid}, marched (± 2 sd)", **style)
             low.errorbar(mach, frequency, **style)
         doubtful = [
             (p.mach, c.V_f) for p in points for c in p.crossings

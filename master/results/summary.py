@@ -24,15 +24,13 @@ def number(value: float | None) -> float | None:
 
 
 def march_data(march: March, steady_cpu: float | None = None, change: Change | None = None) -> dict[str, Any]:
-    """One march. Growth rate and frequency in units of omega_alpha; cost in seconds. `change`: what coarse marches tell of the
-    error bars; without them these are the fit's alone."""
+    """One march. Growth rate and frequency in units of omega_alpha; cost in seconds. `change`: of the coarse
+    marches by which the error bars of `march` were widened, their cost and what they could not tell."""
     s, fit, cost = march.scales, march.fit, march.cost
     # a divergence that the steady flow tells and no fit shows yet: the rate of an oscillation beside it would say stable
     read = fit if fit is not None and not (march.verdict is Verdict.DIVERGENCE and fit.frequency) else None
     validity, edge, stands = trust.validity(march), trust.edge(march), trust.stands(march)
     change = change or Change()
-    rate_std = math.hypot(read.growth_rate_uncertainty, *change.growth_rate.values()) if read else math.nan
-    frequency_std = math.hypot(read.frequency_uncertainty, *change.frequency.values()) if read else math.nan
     data: dict[str, Any] = {
         "mach": s.mach,
         "V_f": s.V_f,
@@ -45,9 +43,9 @@ def march_data(march: March, steady_cpu: float | None = None, change: Change | N
         "reason": march.reason if validity is None or stands else f"{broken(validity, edge)}: {march.reason}",
         "remedy": (march.remedy or None) if stands else trust.remedy(march),
         "growth_rate": number(read.growth_rate) if read else None,
-        "growth_rate_uncertainty": number(rate_std),
+        "growth_rate_uncertainty": number(read.growth_rate_uncertainty) if read else None,
         "frequency": number(read.frequency) if read else None,
-        "frequency_uncertainty": number(frequency_std),
+        "frequency_uncertainty": number(read.frequency_uncertainty) if read else None,
         "damping_ratio": number(-read.growth_rate / read.frequency) if read and read.frequency else None,
         "settled": march.settled,
         "free_cycles": max(0, march.tau.size - 1 - march.release) / s.steps_per_cycle,
@@ -57,7 +55,7 @@ def march_data(march: March, steady_cpu: float | None = None, change: Change | N
         "limit_cycle_amplitude_deg": limit_cycle_amplitude_deg(march),
         "fit_residual": number(fit.residual) if fit else None,
         "fit_forecast": number(fit.forecast) if fit else None,
-        "uncertainty_parts": (fit.contributions if fit else {}) | change.growth_rate,
+        "uncertainty_parts": fit.contributions if fit else {},
         "uncertainty_missing": list(change.missing),
         "waves": wave_growth.of_march(march),
         "ensemble": march.ensemble.as_data() if march.ensemble is not None else None,
