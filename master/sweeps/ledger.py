@@ -12,7 +12,7 @@ import json
 import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -66,13 +66,10 @@ class Ledger:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        fresh = not path.exists()
         try:
-            self._base = sqlite3.connect(path, isolation_level=None)
-            self._base.execute("PRAGMA journal_mode=DELETE")
-            self._base.execute("PRAGMA synchronous=FULL")
-            if fresh or not self._base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
-                self._base.executescript(f"BEGIN; {SCHEMA} INSERT INTO meta VALUES ('format', '{FORMAT}'); COMMIT;")
+            if not path.exists() or not path.stat().st_size:
+                _create(path)
+            self._base = _connected(path)
             self._check()
         except sqlite3.Error as error:
             self.close()
@@ -222,6 +219,36 @@ def _row(values: dict[str, Any]) -> Row:
     for name in ("cpu_seconds", "wall_seconds"):
         values[name] = values[name] or 0.0
     return Row(**values | {"determined": bool(values["determined"])})
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    """An open ledger, each statement its own transaction."""
+    base = sqlite3.connect(path, isolation_level=None)
+    base.execute("PRAGMA journal_mode=DELETE")
+    base.execute("PRAGMA synchronous=FULL")
+    return base
+
+
+def _create(path: Path) -> None:
+    """A new ledger with its tables, put in its place whole: whoever reads while a sweep starts sees none or all of it.
+
+    Raises sqlite3.Error; AeroSloshError when the folder cannot be written."""
+    new = path.with_name(f"{path.name}.{os.getpid()}.new")
+    try:
+        new.unlink(missing_ok=True)
+        base = _connected(new)
+        try:
+            base.executescript(f"BEGIN; {SCHEMA} INSERT INTO meta VALUES ('format', '{FORMAT}'); COMMIT;")
+        finally:
+            base.close()
+        os.replace(new, path)
+    except OSError as error:
+        raise AeroSloshError(
+            f"The ledger cannot be written: {error.strerror}", str(path), "free space", ExitCode.INCOMPLETE
+        ) from None
+    finally:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
 
 
 def _explained(error: sqlite3.Error, path: Path) -> AeroSloshError:

@@ -6,6 +6,7 @@ import json
 import multiprocessing
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,6 +88,30 @@ def test_a_file_whose_row_was_not_written_is_entered(half_done: tuple[Path, Plan
     store = opened(folder, plan, said)
     assert store.ledger.counts()["done"] == 21 and store.ledger.rows("done")[-1].attempts == 1
     assert said == ["1 finished points entered from their files"] and not list(folder.rglob(".*part*"))
+
+
+def test_a_reader_never_sees_half_a_new_ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every statement of the making is a moment at which another program may look: the file has its tables, or is not there."""
+    path = tmp_path / "ledger.sqlite"
+    seen: list[str] = []
+
+    def look(statement: str) -> None:
+        if not path.exists():
+            return seen.append("nothing")
+        tables = {name for (name,) in real(path).execute("SELECT name FROM sqlite_master")}
+        return seen.append("whole" if {"meta", "points"} <= tables else "half")
+
+    real = sqlite3.connect
+
+    def watched(*words: Any, **options: Any) -> sqlite3.Connection:
+        base = real(*words, **options)
+        if options:  # the ledger's own connections
+            base.set_trace_callback(look)
+        return base
+
+    monkeypatch.setattr(sqlite3, "connect", watched)
+    Ledger(path).close()
+    assert set(seen) == {"nothing", "whole"} and [p.name for p in tmp_path.iterdir()] == ["ledger.sqlite"]
 
 
 @pytest.mark.parametrize("damage", ["page", "head", "row", "cut", "empty"])
