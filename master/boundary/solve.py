@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from ..case.case import Case
 from ..cosim.loop import Watcher
 from ..flutter import ensemble
@@ -57,4 +59,6 @@ def solve(
     strategy = boundary_strategy.Confirm(case, setups.__getitem__, open_setup, say, b.method == "both")
     limits = Limits(b.V_f_range[0], b.V_f_range[1], b.tolerance, b.max_marches)
     guess, slope = start or (case.flutter.V_f, None)
-    return boundary(marcher_at, b.mach, guess, limits, found, strategy, slope)
+    # the matrices are small: a second thread of BLAS spins for nothing, and ten times as long beside another process
+    with threadpool_limits(1, "blas"):
+        return boundary(marcher_at, b.mach, guess, limits, found, strategy, slope)

@@ -73,8 +73,8 @@ class LinearModel:
     """The aerodynamics of `case` at `mach`, linear about its steady flow.
 
     fit_error    rms missed over rms, of C_L and C_M, in the records fitted: (2,)
-    check_error  the same in the motion not fitted: (2,)
-    smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty
+    check_error  the same in the motion not fitted: (2,); nan when none was made
+    smaller      a model of two poles less: its neutral V_f differ by the model's own uncertainty; `aero` when none was made
     slopes       of the steady loads, from two steady solutions, which the models keep to; None where they could not be had
     other        the same from a steady solution further off on the other side: its divergence differs by what is not linear
     cpu          seconds: FMU and fit; steps: of the FMU
@@ -180,12 +180,17 @@ class LinearModel:
 
 
 def identify(
-    setup: FlutterSetup, amplitude_deg: float, say: Callable[[str], None] = lambda text: None, step: float = STEP
+    setup: FlutterSetup,
+    amplitude_deg: float,
+    say: Callable[[str], None] = lambda text: None,
+    step: float = STEP,
+    doubted: bool = True,
 ) -> LinearModel:
     """The linear model of the aero FMU of `setup`, from its saved steady flow, by motions of `amplitude_deg`.
 
-    `step`: in half chords of travel. Raises ComponentError when the FMU fails, AeroSloshError when it lacks a variable or answers
-    with no number."""
+    `step`: in half chords of travel; `doubted`: whether the model is to tell its own uncertainty, by a motion that is not fitted,
+    a smaller model and steady slopes from the other side, for half as much again. Raises ComponentError when the FMU fails,
+    AeroSloshError when it lacks a variable or answers with no number."""
     begin = clock.perf_counter(), clock.process_time()
     check_interface(setup.aero)
     s = scales(setup.case, setup.mach, setup.case.flutter.V_f)  # speed and chord: V_f does not matter
@@ -195,14 +200,17 @@ def identify(
     for name, curves in (("plunge", (sweep, still)), ("pitch", (still, sweep))):
         say(f"  sweep in {name}, {amplitude_deg:g} degrees")
         records.append(drive(setup.aero, setup.steady, s, curves, step, SWEEP + REST))
-    say("  another motion, to check")
-    both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
-    check = drive(setup.aero, setup.steady, s, both, step, CHECK)
+    unseen = []
+    if doubted:
+        say("  another motion, to check")
+        both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
+        unseen.append(drive(setup.aero, setup.steady, s, both, step, CHECK))
     slopes = setup.slopes()
     steady = np.array([slopes.C_L, slopes.C_M]) if slopes is not None else None
     aero = rational_fit.fit(records, ORDER, SLOWEST, FASTEST, steady)
-    smaller = rational_fit.fit(records, ORDER - 2, SLOWEST, FASTEST, steady)
-    fit_error, check_error = np.max([aero.error(r) for r in records], axis=0), aero.error(check)
+    smaller = rational_fit.fit(records, ORDER - 2, SLOWEST, FASTEST, steady) if doubted else aero
+    fit_error = np.max([aero.error(r) for r in records], axis=0)
+    check_error = aero.error(unseen[0]) if doubted else np.full(2, math.nan)
     return LinearModel(
         setup.case,
         setup.mach,
@@ -211,20 +219,20 @@ def identify(
         smaller,
         fit_error,
         check_error,
-        sum(r.s.size - 1 for r in [*records, check]),
+        sum(r.s.size - 1 for r in [*records, *unseen]),
         clock.process_time() - begin[1],
         clock.perf_counter() - begin[0],
         _note(check_error),
         setup.tank.liquid if setup.tank else None,
         slopes,
-        setup.other_slopes(),
+        setup.other_slopes() if doubted else None,
         setup.tank.static_stiffness if setup.tank else 0.0,
     )
 
 
 def _note(check_error: np.ndarray) -> str:
-    """What is wrong with the model, if anything."""
-    if np.max(check_error) <= GOOD:
+    """What is wrong with the model, if anything is known to be."""
+    if not np.max(check_error) > GOOD:
         return ""
     return f"the linear model misses {100 * np.max(check_error):.1f} % of a motion it was not fitted to: the loads are not linear"
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -100,6 +101,16 @@ def memory(record: Record, j: int, pole: complex) -> np.ndarray:
     return lfilter([1.0], [1.0, -np.exp(pole * ds)], forcing)
 
 
+def _memory_slope(record: Record, j: int, pole: complex) -> np.ndarray:
+    """The derivative of `memory` by the pole. Shape: (n,), complex."""
+    ds = record.ds
+    e = np.exp(pole * ds)
+    forcing = np.zeros(record.s.size, dtype=complex)
+    forcing[1:] = (ds * QUADRATURE * ds * (1.0 - NODES) * np.exp(pole * ds * (1.0 - NODES))) @ record.between[j]
+    forcing[1:] += ds * e * memory(record, j, pole)[:-1]
+    return lfilter([1.0], [1.0, -e], forcing)
+
+
 def _filtered(y: np.ndarray, ds: float, pole: complex) -> np.ndarray:
     """x' = pole x + y from rest for samples `y` (…, n), linear between them."""
     z = pole * ds
@@ -132,8 +143,7 @@ def _columns(record: Record, j: int, poles: np.ndarray) -> np.ndarray:
     """Real basis of the answer to input j: its feed-through terms, then the memory of each pole. Shape: (m, n)."""
     rows = [record.motion[j, 1 + i] for i in TERMS[j]]
     for p in poles:
-        x = memory(record, j, p)
-        rows += [2.0 * x.real, -2.0 * x.imag] if p.imag else [x.real]
+        rows += _pair(memory(record, j, p), p)
     return np.array(rows)
 
 
@@ -149,7 +159,7 @@ def _relocated(records: Sequence[Record], poles: np.ndarray, weight: np.ndarray,
             rows: list[np.ndarray] = []
             for p in poles:
                 x = _filtered(y[c], record.ds, p)
-                rows += [-2.0 * x.real, 2.0 * x.imag] if p.imag else [-x.real]
+                rows += _pair(-x, p)
             block = np.array(rows).T
             rights.append(scale * (block - q @ (q.T @ block)))
             targets.append(scale * (y[c] - q @ (q.T @ y[c])))
@@ -186,52 +196,111 @@ def _refined(
     """Variable projection: least squares on the poles alone, the rest eliminated."""
     pair = poles.imag > 0.0
     limit = FASTEST / records[0].ds
+    target = _target(records, weight, steady)
 
     def unpack(v: np.ndarray) -> np.ndarray:
         p = -np.exp(v[: poles.size]).astype(complex)
         p[pair] += 1j * np.exp(v[poles.size :])
         return p
 
+    def missed(v: np.ndarray) -> np.ndarray:
+        return _Projection(_matrix(records, unpack(v), weight, steady), target).rest.ravel()
+
+    def slopes(v: np.ndarray) -> np.ndarray:
+        p = unpack(v)
+        made = _Projection(_matrix(records, p, weight, steady), target)
+        # of each pole by its parameters: the logarithms of its rate and, in a pair, of its frequency
+        moves = [(n, complex(p[n].real)) for n in range(p.size)] + [(n, 1j * p[n].imag) for n in np.flatnonzero(pair)]
+        return np.stack([made.outside(_change(records, p, int(n), by, made.weights, steady)).ravel() for n, by in moves], axis=1)
+
     first = np.concatenate([np.log(-poles.real), np.log(poles.imag[pair])])
     low = np.concatenate([np.full(poles.size, np.log(0.25 * slowest)), np.full(int(pair.sum()), np.log(1e-3))])
     high = np.full(first.size, np.log(1.05 * limit))
     first = np.clip(first, low + 1e-6, high - 1e-6)
     try:
-        found = least_squares(
-            lambda v: _solve(records, unpack(v), weight, steady)[1], first, bounds=(low, high), max_nfev=15, xtol=1e-6
-        )
+        found = least_squares(missed, first, jac=slopes, bounds=(low, high), max_nfev=30, xtol=1e-6)
     except (np.linalg.LinAlgError, ValueError):
         return poles
     return unpack(found.x)
+
+
+class _Projection:
+    """Least squares of matrix·weights = target, (n, m), (m, 2), (n, 2): `weights`, and the `rest` matrix·weights − target."""
+
+    def __init__(self, matrix: np.ndarray, target: np.ndarray) -> None:
+        norm = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        u, size, v = np.linalg.svd(matrix / norm, full_matrices=False)
+        kept = size > 1e-13 * size[0]
+        self._basis = u[:, kept]
+        inside = self._basis.T @ target
+        self.weights = (v[kept].T @ (inside / size[kept, None])) / norm[:, None]
+        self.rest = self._basis @ inside - target
+
+    def outside(self, columns: np.ndarray) -> np.ndarray:
+        """What of `columns` (n, 2) the matrix cannot make: how the rest changes with them (Kaufman's approximation)."""
+        return columns - self._basis @ (self._basis.T @ columns)
+
+
+def _matrix(records: Sequence[Record], poles: np.ndarray, weight: np.ndarray, steady: np.ndarray | None) -> np.ndarray:
+    """Basis functions in the records, a column each (feed-through and memory of w, then of alpha); below them what is known of
+    the steady gain: that both inputs have the same, since a steady plunge rate is an angle of attack, and that of alpha."""
+    m = sum(2 if p.imag else 1 for p in poles)
+    sizes = [len(terms) + m for terms in TERMS]
+    rows = []
+    for record in records:
+        parts = [
+            _columns(record, j, poles) if np.any(record.motion[j, 1]) else np.zeros((sizes[j], record.s.size)) for j in range(2)
+        ]
+        rows.append(np.vstack(parts).T / np.sqrt(record.s.size))
+    gain = [np.concatenate([[1.0], np.zeros(len(t) - 1), *[_pair(-1.0 / p, p) for p in poles]]) for t in TERMS]
+    return np.vstack([*rows, *_steady_rows(records, gain[0], gain[1], steady)])
+
+
+def _steady_rows(records: Sequence[Record], w: np.ndarray, alpha: np.ndarray, steady: np.ndarray | None) -> list[np.ndarray]:
+    """Rows (1, m) for the steady gains of both inputs' basis functions, as heavy as a record's."""
+    typical = np.mean([np.max(np.abs(r.motion[:, 1])) for r in records])
+    rows = [0.3 * typical * np.concatenate([w, -alpha])[None, :]]
+    if steady is not None:
+        rows.append(STEADY_WEIGHT * typical * np.concatenate([0.0 * w, alpha])[None, :])
+    return rows
+
+
+def _target(records: Sequence[Record], weight: np.ndarray, steady: np.ndarray | None) -> np.ndarray:
+    """What the basis functions are to make: weighted loads, then the steady gains. Shape: (n, 2)."""
+    typical = np.mean([np.max(np.abs(r.motion[:, 1])) for r in records])
+    rows = [(r.loads * weight[:, None]).T / np.sqrt(r.s.size) for r in records] + [np.zeros((1, 2))]
+    if steady is not None:
+        rows.append(STEADY_WEIGHT * typical * (steady * weight)[None, :])
+    return np.vstack(rows)
+
+
+def _change(
+    records: Sequence[Record], poles: np.ndarray, n: int, by: complex, weights: np.ndarray, steady: np.ndarray | None
+) -> np.ndarray:
+    """How matrix·weights changes when pole `n` changes by `by`, to first order. Shape: (rows, 2)."""
+    p, wide = poles[n], 2 if poles[n].imag else 1
+    m = sum(2 if q.imag else 1 for q in poles)
+    at = _starts(poles)[n]
+    starts = len(TERMS[0]) + at, len(TERMS[0]) + m + len(TERMS[1]) + at
+    rows = []
+    for record in records:
+        total = np.zeros((record.s.size, 2))
+        for j, start in enumerate(starts):
+            if np.any(record.motion[j, 1]):
+                total += np.array(_pair(by * _memory_slope(record, j, p), p)).T @ weights[start : start + wide]
+        rows.append(total / np.sqrt(record.s.size))
+    gain = [np.zeros(len(t) + m) for t in TERMS]
+    for j, terms in enumerate(TERMS):
+        gain[j][len(terms) + at : len(terms) + at + wide] = _pair(by / p**2, p)
+    return np.vstack([*rows, *(row @ weights for row in _steady_rows(records, gain[0], gain[1], steady))])
 
 
 def _solve(
     records: Sequence[Record], poles: np.ndarray, weight: np.ndarray, steady: np.ndarray | None = None
 ) -> tuple[Rational, np.ndarray]:
     """Residues and feed-through by least squares for given poles, and the weighted residual."""
-    m = sum(2 if p.imag else 1 for p in poles)
-    sizes = [len(terms) + m for terms in TERMS]
-    rows, targets = [], []
-    for record in records:
-        parts = [
-            _columns(record, j, poles) if np.any(record.motion[j, 1]) else np.zeros((sizes[j], record.s.size)) for j in range(2)
-        ]
-        scale = 1.0 / np.sqrt(record.s.size)
-        rows.append(scale * np.vstack(parts).T)
-        targets.append(scale * (record.loads * weight[:, None]).T)
-    # a steady plunge rate is an angle of attack: both inputs have the same steady gain
-    gain = [np.concatenate([[1.0], np.zeros(len(t) - 1), *[_steady(p) for p in poles]]) for t in TERMS]
-    typical = np.mean([np.max(np.abs(r.motion[:, 1])) for r in records])
-    rows.append(0.3 * typical * np.concatenate([gain[0], -gain[1]])[None, :])
-    targets.append(np.zeros((1, 2)))
-    if steady is not None:
-        rows.append(STEADY_WEIGHT * typical * np.concatenate([0.0 * gain[0], gain[1]])[None, :])
-        targets.append(STEADY_WEIGHT * typical * (steady * weight)[None, :])
-    matrix, target = np.vstack(rows), np.vstack(targets)
-    norm = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-    c = np.linalg.lstsq(matrix / norm, target, rcond=1e-13)[0]
-    rest = (matrix / norm @ c - target).ravel()
-    c = c / norm[:, None] / weight
+    made = _Projection(_matrix(records, poles, weight, steady), _target(records, weight, steady))
+    c = made.weights / weight
     residues = np.zeros((poles.size, 2, 2), dtype=complex)
     feed = np.zeros((3, 2, 2))
     at = 0
@@ -242,10 +311,9 @@ def _solve(
         for n, p in enumerate(poles):
             residues[n, :, j] = c[at] + 1j * c[at + 1] if p.imag else c[at]
             at += 2 if p.imag else 1
-    return Rational(poles, residues, feed), rest
+    return Rational(poles, residues, feed), made.rest.ravel()
 
 
-def _steady(p: complex) -> np.ndarray:
-    """The steady gain of a pole's basis functions."""
-    g = -1.0 / p
-    return np.array([2.0 * g.real, -2.0 * g.imag]) if p.imag else np.array([g.real])
+def _pair(x: Any, p: complex) -> list[Any]:
+    """Real basis functions of a pole from its complex one: two of a pair, one of a real pole."""
+    return [2.0 * x.real, -2.0 * x.imag] if p.imag else [x.real]

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from aeroslosh.fmus.aero.bdf import bdf_weights, combine, turn
-from aeroslosh.fmus.aero.flux import GAMMA, half_slopes, limiter, residual, roe
+from aeroslosh.fmus.aero.factorise import LANES, factorise_across, factorise_around, pack
+from aeroslosh.fmus.aero.flux import ALBADA, GAMMA, half_slopes, limits, residual, roe, shock
 from aeroslosh.fmus.aero.implicit import Blocks, Factors, Recipe
 from aeroslosh.fmus.aero.jacobian import _face_blocks, assemble
 from aeroslosh.fmus.aero.march import Flow
@@ -71,12 +72,18 @@ def test_reconstruction_is_third_order_where_smooth_and_limited_at_a_jump() -> N
     def average(x: float) -> float:
         return x * x + 1 / 12
 
-    behind, ahead = half_slopes(average(0) - average(-1), average(1) - average(0), 0.0)
+    behind, ahead = half_slopes(average(0) - average(-1), average(1) - average(0), 1.0)
     assert average(0) + ahead == pytest.approx(0.25, abs=1e-14)
     assert average(0) - behind == pytest.approx(0.25, abs=1e-14)
-    assert half_slopes(1.0, -1.0, 1.0) == pytest.approx((0.0, 0.0), abs=1e-9)
-    assert limiter(1.0, 1.0, 1.0) == 0.0
-    assert limiter(1.0, 1.0, 2.0) > 0.99
+    assert shock(1.0, 1.0, 1.0)[0] == 0.0
+    share, whole = shock(1.0, 1.0, 2.0)
+    assert share / whole > 0.99
+    full = limits(1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 2.0, 1.0, 0.0, 0.5)  # van Albada's own at a strong shock
+    assert full == pytest.approx((0.0, 1.0, 0.8, ALBADA / (0.25 + ALBADA)), abs=1e-6)
+    assert half_slopes(1.0, -1.0, full[0]) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert limits(0.0, 1.0, 1.0, -1.0, 1.0, 1.0, 2.0, 1.0, 0.0, 0.5) == (1.0, 1.0, 1.0, 1.0)
+    half = limits(1.0, 2.0, 1.0, -1.0, 1.0, 1.0, 2.0, 1.0, 0.0, 0.5)
+    assert half == pytest.approx(0.5 + 0.5 * np.array(full))
 
 
 @pytest.mark.parametrize("ni", [64, 100, 168])
@@ -191,28 +198,80 @@ def test_face_blocks_are_the_derivative_of_the_flux() -> None:
         np.testing.assert_allclose(minus[:, k], (flux(qa, qb + e) - flux(qa, qb - e)) / 2e-6, atol=2e-3)
 
 
+def lines_solved(around: np.ndarray, across: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """The line solver in numpy, lines side by side: −r (nj, 4, ni) by float32 factors, (groups, cells, matrices, 16, LANES)."""
+    nj, _, ni = r.shape
+    b = np.moveaxis(-r, 1, 2).copy()
+    m = around.reshape(around.shape[0], ni, 4, 4, 4, LANES)
+    f = np.moveaxis(m, 5, 1).reshape(-1, ni, 4, 4, 4)[:nj]  # (line, cell, matrix, 4, 4)
+    for i in range(ni - 1):
+        b[:, i] = np.einsum("lab,lb->la", f[:, i, 0], b[:, i]) - np.einsum("lab,lb->la", f[:, i, 1], b[:, i - 1]) * (i > 0)
+    for i in range(ni - 3, -1, -1):
+        b[:, i] -= np.einsum("lab,lb->la", f[:, i, 2], b[:, i + 1])
+    end = ni - 1
+    b[:, end] = np.einsum("lab,lb->la", f[:, end, 0], b[:, end]) - np.einsum("lab,lb->la", f[:, end, 1], b[:, end - 1])
+    b[:, end] -= np.einsum("lab,lb->la", f[:, end, 2], b[:, 0])
+    b[:, :end] -= np.einsum("liab,lb->lia", f[:, :end, 3], b[:, end])
+    m = across.reshape(across.shape[0], nj, 3, 4, 4, LANES)
+    f = np.moveaxis(m, 5, 1).reshape(-1, nj, 3, 4, 4)[:ni]
+    for j in range(nj):
+        b[j] = np.einsum("lab,lb->la", f[:, j, 0], b[j]) - np.einsum("lab,lb->la", f[:, j, 1], b[j - 1]) * (j > 0)
+    for j in range(nj - 2, -1, -1):
+        b[j] -= np.einsum("lab,lb->la", f[:, j, 2], b[j + 1])
+    return b
+
+
 def test_line_solver_inverts_the_product_of_its_factors(mesh: Mesh) -> None:
     nj, ni = mesh.shape
     flow = Flow(mesh, 0.7, 0.25)
     flow.start(0.05)
     recipe = Recipe(flow.q.copy(), flow.farfield.state.copy(), 0.7, 12.0)
-    factors = Factors(recipe, mesh, Blocks(mesh))
     r = np.random.default_rng(0).standard_normal(flow.q.shape)
-    x = np.zeros_like(r)
-    factors.solve(r, x)
     diagonal, near, radius = np.empty((nj, ni, 4, 4)), np.empty((4, nj, ni, 4, 4)), np.empty((nj, ni))
     assemble(flow.q, mesh.side, mesh.ring, flow.farfield.state, diagonal, near, radius)
-    diagonal += (mesh.volume * 0.7 + radius / 12.0)[..., None, None] * np.eye(4)
+    shift = mesh.volume * 0.7 + radius / 12.0
 
     def times(blocks: np.ndarray, v: np.ndarray) -> np.ndarray:
         return np.einsum("jiab,jib->jia", blocks, v)
 
-    v = np.moveaxis(x, 1, 2)
-    edge = np.zeros_like(v[:1])
-    across = times(near[2], np.concatenate([edge, v[:-1]])) + times(near[3], np.concatenate([v[1:], edge]))
-    y = v + times(np.linalg.inv(diagonal), across)
-    product = times(diagonal, y) + times(near[0], np.roll(y, 1, axis=1)) + times(near[1], np.roll(y, -1, axis=1))
-    assert np.abs(product + np.moveaxis(r, 1, 2)).max() < 5e-6 * np.abs(r).max()  # factors are float32
+    def missed(v: np.ndarray) -> float:
+        edge, whole = np.zeros_like(v[:1]), diagonal + shift[..., None, None] * np.eye(4)
+        across = times(near[2], np.concatenate([edge, v[:-1]])) + times(near[3], np.concatenate([v[1:], edge]))
+        y = v + times(np.linalg.inv(whole), across)
+        product = times(whole, y) + times(near[0], np.roll(y, 1, axis=1)) + times(near[1], np.roll(y, -1, axis=1))
+        return float(np.abs(product + np.moveaxis(r, 1, 2)).max() / np.abs(r).max())
+
+    # the factors themselves, in float32
+    around = np.zeros((-(-nj // LANES), ni, 4, 16, LANES), dtype=np.float32)
+    across = np.zeros((-(-ni // LANES), nj, 3, 16, LANES), dtype=np.float32)
+    factorise_around(diagonal.ravel(), near[0].ravel(), near[1].ravel(), shift.ravel(), ni, nj, around.ravel())
+    factorise_across(diagonal.ravel(), near[2].ravel(), near[3].ravel(), shift.ravel(), ni, nj, across.ravel())
+    assert missed(lines_solved(around, across, r)) < 5e-6
+    # the solver's are packed: it solves exactly with what was kept
+    x = np.zeros_like(r)
+    Factors(recipe, mesh, Blocks(mesh)).solve(r, x)
+    kept = lines_solved(*(unpacked(f) for f in (around, across)), r)
+    np.testing.assert_allclose(np.moveaxis(x, 1, 2), kept, rtol=0.0, atol=2e-6 * np.abs(kept).max())
+    assert missed(np.moveaxis(x, 1, 2)) < 2e-2  # 2^-8 of each entry, where the approximation itself leaves 0.7
+
+
+def unpacked(factors: np.ndarray) -> np.ndarray:
+    """What is left of float32 `factors` (…, 16, LANES) after packing."""
+    words = pack(factors.view(np.uint32).ravel()).reshape(*factors.shape[:-2], 8, LANES)
+    both = np.stack([words << np.uint32(16), words], axis=-2)  # (…, 8, 2, LANES)
+    return both.reshape(factors.shape).view(np.float32)
+
+
+def test_packed_entries_come_nearest() -> None:
+    rng = np.random.default_rng(3)
+    factors = (rng.standard_normal((500, 16, LANES)) * 10.0 ** rng.uniform(-6, 3, (500, 16, LANES))).astype(np.float32)
+    factors[0] = 0.0
+    error = np.abs(unpacked(factors) - factors)
+    assert np.max(error / np.maximum(np.abs(factors), 1e-30)) <= 2.0**-8
+    beside = np.stack([factors[1:, ::2], factors[1:, 1::2]])  # entries with few digits stay as they are, but for the bits behind
+    exact = np.round(np.ldexp(np.frexp(beside)[0], 8)) * np.ldexp(1.0, np.frexp(beside)[1] - 8)
+    assert np.array_equal(unpacked(factors)[1:, ::2], exact[0].astype(np.float32))
+    assert not unpacked(factors)[0].any()
 
 
 def test_time_weights_are_exact_for_parabolas_at_uneven_steps() -> None:

@@ -18,6 +18,8 @@ from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
 from aeroslosh.master.flutter.span import Span
 from aeroslosh.master.linear import model as linear_model
+from aeroslosh.master.linear import rational_fit
+from aeroslosh.master.linear.frequency_sweep import NODES, Record, chirp
 from support import sections, theory
 from support.paths import CASES
 from support.processes import called
@@ -181,3 +183,36 @@ def test_no_crossing_predicted_is_checked_by_marches(
     point, said = confirmed(flutter_fmus, model, monkeypatch, high=2.0)
     assert point.converged and not point.crossings and 3 <= len(point.marches) <= 5
     assert point.outcome.startswith("no crossing: damped") and "no crossing in range; marches at" in said[-1]
+
+
+def test_slopes_of_the_fit_are_those_of_its_basis() -> None:
+    """What a pole's change does to the fitted loads, beside differences; through the fit itself too, which is found again."""
+    rng = np.random.default_rng(5)
+    s = 0.4 * np.arange(301)
+    curves = rational_fit_motions(s)
+    poles = np.array([-0.05, -0.3 + 0.2j, -0.9])
+    made = [Record(s, motion, rng.standard_normal((2, s.size)), between) for motion, between in curves]
+    weight, steady = np.array([0.7, 2.0]), np.array([6.0, 0.4])
+    matrix = rational_fit._matrix(made, poles, weight, steady)
+    weights = rng.standard_normal((matrix.shape[1], 2))
+    for n, by in ((0, 1.0), (1, 1.0), (1, 1j), (2, 1.0)):
+        ahead, back = poles.copy(), poles.copy()
+        ahead[n] += 1e-6 * by
+        back[n] -= 1e-6 * by
+        found = rational_fit._change(made, poles, n, by, weights, steady)
+        change = rational_fit._matrix(made, ahead, weight, steady) - rational_fit._matrix(made, back, weight, steady)
+        np.testing.assert_allclose(found, change @ weights / 2e-6, rtol=2e-6, atol=1e-7)
+    weights[6], weights[9:] = weights[0], weights[2:6]  # both inputs with the same steady gain, as a fit expects
+    truth = matrix @ weights
+    loads = np.split(truth[: 2 * s.size] * np.sqrt(s.size), 2)
+    exact = [Record(s, r.motion, y.T / weight[:, None], r.between) for r, y in zip(made, loads, strict=True)]
+    again = rational_fit.fit(exact, 4, 0.02, 2.0)
+    assert max(float(np.max(again.error(r))) for r in exact) < 1e-6
+
+
+def rational_fit_motions(s: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Motion (2, 4, n) and values between the samples of a plunge and of a pitch sweep."""
+    sweep = chirp(0.02, 0.0, 100.0, (0.02, 1.0), 0.8)
+    inner = np.stack([sweep(s[:-1] + node * 0.4)[1] for node in NODES])
+    moved, rest, quiet = sweep(s), np.zeros((4, s.size)), np.zeros_like(inner)
+    return [(np.stack([moved, rest]), np.stack([inner, quiet])), (np.stack([rest, moved]), np.stack([quiet, inner]))]
