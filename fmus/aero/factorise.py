@@ -9,19 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ..kit.compiled import inline, jit
+from ..kit.compiled import jit
 
 LANES = 16
 MATRIX = 16 * LANES
 """Numbers of LANES 4 x 4 matrices side by side."""
 PACKED = MATRIX // 2
 """Words of LANES matrices whose entries are packed."""
-
-# matrices of the lines in hand, in one work array at compile-time offsets
-_DIAGONAL, _LOWER, _UPPER = 0 * MATRIX, 1 * MATRIX, 2 * MATRIX
-_INVERSE, _PRODUCT, _SPARE = 3 * MATRIX, 4 * MATRIX, 5 * MATRIX
-_BEFORE, _SPIKE, _RESULT = 6 * MATRIX, 7 * MATRIX, 8 * MATRIX
-_WORK = 9 * MATRIX
 
 
 @jit
@@ -41,74 +35,74 @@ def pack(bits: Any) -> Any:
     return out
 
 
-@inline
-def _invert(w: Any, source: int, target: int) -> None:
+@jit
+def _invert(source: Any, target: Any) -> None:
     """target = source^-1 for LANES matrices, Gauss–Jordan; source is destroyed. No pivoting: the blocks are dominant."""
     for k in range(MATRIX):
-        w[target + k] = 0.0
+        target[k] = 0.0
     for m in range(4):
         for l in range(LANES):
-            w[target + 5 * m * LANES + l] = 1.0
+            target[5 * m * LANES + l] = 1.0
     for m in range(4):
         for l in range(LANES):
-            factor = np.float32(1.0) / w[source + 5 * m * LANES + l]
+            factor = np.float32(1.0) / source[5 * m * LANES + l]
             for b in range(4):
-                w[source + (4 * m + b) * LANES + l] *= factor
-                w[target + (4 * m + b) * LANES + l] *= factor
+                source[(4 * m + b) * LANES + l] *= factor
+                target[(4 * m + b) * LANES + l] *= factor
         for a in range(4):
             if a != m:
                 for l in range(LANES):
-                    f = w[source + (4 * a + m) * LANES + l]
+                    f = source[(4 * a + m) * LANES + l]
                     for b in range(4):
-                        w[source + (4 * a + b) * LANES + l] -= f * w[source + (4 * m + b) * LANES + l]
-                        w[target + (4 * a + b) * LANES + l] -= f * w[target + (4 * m + b) * LANES + l]
+                        source[(4 * a + b) * LANES + l] -= f * source[(4 * m + b) * LANES + l]
+                        target[(4 * a + b) * LANES + l] -= f * target[(4 * m + b) * LANES + l]
 
 
-@inline
-def _multiply(w: Any, first: int, second: int, target: int) -> None:
+@jit
+def _multiply(first: Any, second: Any, target: Any) -> None:
     """target = first·second for LANES matrices."""
     for a in range(4):
         for b in range(4):
             for l in range(LANES):
-                w[target + (4 * a + b) * LANES + l] = (
-                    w[first + 4 * a * LANES + l] * w[second + b * LANES + l]
-                    + w[first + (4 * a + 1) * LANES + l] * w[second + (4 + b) * LANES + l]
-                    + w[first + (4 * a + 2) * LANES + l] * w[second + (8 + b) * LANES + l]
-                    + w[first + (4 * a + 3) * LANES + l] * w[second + (12 + b) * LANES + l]
+                target[(4 * a + b) * LANES + l] = (
+                    first[4 * a * LANES + l] * second[b * LANES + l]
+                    + first[(4 * a + 1) * LANES + l] * second[(4 + b) * LANES + l]
+                    + first[(4 * a + 2) * LANES + l] * second[(8 + b) * LANES + l]
+                    + first[(4 * a + 3) * LANES + l] * second[(12 + b) * LANES + l]
                 )
 
 
-@inline
+@jit
 def _copy(source: Any, at: int, target: Any, to: int) -> None:
     for k in range(MATRIX):
         target[to + k] = source[at + k]
 
 
-@inline
-def _subtract(w: Any, what: int, target: int) -> None:
+@jit
+def _subtract(what: Any, target: Any) -> None:
     for k in range(MATRIX):
-        w[target + k] -= w[what + k]
+        target[k] -= what[k]
 
 
-@inline
-def _gather(blocks: Any, shift: Any, first: int, count: int, stride: int, w: Any, to: int, padding: float) -> None:
+@jit
+def _gather(blocks: Any, shift: Any, first: int, count: int, stride: int, target: Any, padding: float) -> None:
     """LANES blocks (flat, 16 each) from `first` on, `stride` blocks apart, side by side; shift on their diagonals.
 
     Lanes beyond count get padding on the diagonal.
     """
     for k in range(MATRIX):
-        w[to + k] = 0.0
+        target[k] = 0.0
     for l in range(LANES):
         if l < count:
-            block = blocks[16 * (first + l * stride) : 16 * (first + l * stride) + 16]
+            at = 16 * (first + l * stride)
             for k in range(16):
-                w[to + k * LANES + l] = block[k]
+                target[k * LANES + l] = blocks[at + k]
             if padding != 0.0:
                 for m in range(4):
-                    w[to + 5 * m * LANES + l] += shift[first + l * stride]
+                    target[5 * m * LANES + l] += shift[first + l * stride]
         else:
             for m in range(4):
-                w[to + 5 * m * LANES + l] = padding
+                target[5 * m * LANES + l] = padding
 
 
 @jit
@@ -119,66 +113,67 @@ def factorise_around(diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, 
     around: flat (groups of j · ni · 4 matrices · 16 · LANES,) float32, written: inverse pivot, pivot·lower, pivot·upper and
     the response to the last cell.
     """
-    w = np.zeros(_WORK, dtype=np.float32)
+    middle, lower, upper = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
+    inverse, product, by_lower = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
+    by_upper, before, spike = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
     last = ni - 1
     for g in range((nj + LANES - 1) // LANES):
         count = min(LANES, nj - g * LANES)
         for i in range(last):
             first = g * LANES * ni + i
-            _gather(diagonal, shift, first, count, ni, w, _DIAGONAL, 1.0)
-            _gather(back, shift, first, count, ni, w, _LOWER, 0.0)
-            _gather(ahead, shift, first, count, ni, w, _UPPER, 0.0)
-            f = around[(g * ni + i) * 4 * MATRIX : (g * ni + i + 1) * 4 * MATRIX]
+            _gather(diagonal, shift, first, count, ni, middle, 1.0)
+            _gather(back, shift, first, count, ni, lower, 0.0)
+            _gather(ahead, shift, first, count, ni, upper, 0.0)
+            f = (g * ni + i) * 4 * MATRIX
             if i > 0:
-                _multiply(w, _LOWER, _BEFORE, _PRODUCT)
-                _subtract(w, _PRODUCT, _DIAGONAL)
-            _invert(w, _DIAGONAL, _INVERSE)
-            _multiply(w, _INVERSE, _LOWER, _SPARE)
-            _multiply(w, _INVERSE, _UPPER, _RESULT)
+                _multiply(lower, before, product)
+                _subtract(product, middle)
+            _invert(middle, inverse)
+            _multiply(inverse, lower, by_lower)
+            _multiply(inverse, upper, by_upper)
             # the response to the last cell starts from its coupling into cells 0 and last − 1
             if i == 0:
-                _copy(w, _SPARE, w, _SPIKE)
+                _copy(by_lower, 0, spike, 0)
             else:
-                _multiply(w, _SPARE, _SPIKE, _PRODUCT)
+                _multiply(by_lower, spike, product)
                 for k in range(MATRIX):
-                    w[_SPIKE + k] = -w[_PRODUCT + k]
+                    spike[k] = -product[k]
             if i == last - 1:
                 for k in range(MATRIX):
-                    w[_SPIKE + k] += w[_RESULT + k]
-                    w[_RESULT + k] = 0.0
+                    spike[k] += by_upper[k]
+                    by_upper[k] = 0.0
             if i == 0:
                 for k in range(MATRIX):
-                    w[_SPARE + k] = 0.0
-            _copy(w, _INVERSE, f, 0)
-            _copy(w, _SPARE, f, MATRIX)
-            _copy(w, _RESULT, f, 2 * MATRIX)
-            _copy(w, _SPIKE, f, 3 * MATRIX)
-            _copy(w, _RESULT, w, _BEFORE)
+                    by_lower[k] = 0.0
+            _copy(inverse, 0, around, f)
+            _copy(by_lower, 0, around, f + MATRIX)
+            _copy(by_upper, 0, around, f + 2 * MATRIX)
+            _copy(spike, 0, around, f + 3 * MATRIX)
+            _copy(by_upper, 0, before, 0)
         for i in range(last - 2, -1, -1):
-            f = around[(g * ni + i) * 4 * MATRIX : (g * ni + i + 1) * 4 * MATRIX]
-            _copy(f, 2 * MATRIX, w, _UPPER)
-            _multiply(w, _UPPER, _SPIKE, _PRODUCT)
-            _copy(f, 3 * MATRIX, w, _SPIKE)
-            _subtract(w, _PRODUCT, _SPIKE)
-            _copy(w, _SPIKE, f, 3 * MATRIX)
+            f = (g * ni + i) * 4 * MATRIX
+            _copy(around, f + 2 * MATRIX, upper, 0)
+            _multiply(upper, spike, product)
+            _copy(around, f + 3 * MATRIX, spike, 0)
+            _subtract(product, spike)
+            _copy(spike, 0, around, f + 3 * MATRIX)
         # the last cell: what remains of its block once the others are eliminated
         first = g * LANES * ni + last
-        _gather(diagonal, shift, first, count, ni, w, _DIAGONAL, 1.0)
-        _gather(back, shift, first, count, ni, w, _LOWER, 0.0)
-        _gather(ahead, shift, first, count, ni, w, _UPPER, 0.0)
-        _multiply(w, _UPPER, _SPIKE, _PRODUCT)
-        _subtract(w, _PRODUCT, _DIAGONAL)
-        before = around[(g * ni + last - 1) * 4 * MATRIX : (g * ni + last) * 4 * MATRIX]
-        _copy(before, 3 * MATRIX, w, _SPIKE)
-        _multiply(w, _LOWER, _SPIKE, _PRODUCT)
-        _subtract(w, _PRODUCT, _DIAGONAL)
-        _invert(w, _DIAGONAL, _INVERSE)
-        _multiply(w, _INVERSE, _LOWER, _SPARE)
-        _multiply(w, _INVERSE, _UPPER, _RESULT)
-        f = around[(g * ni + last) * 4 * MATRIX : (g * ni + last + 1) * 4 * MATRIX]
-        _copy(w, _INVERSE, f, 0)
-        _copy(w, _SPARE, f, MATRIX)
-        _copy(w, _RESULT, f, 2 * MATRIX)
+        _gather(diagonal, shift, first, count, ni, middle, 1.0)
+        _gather(back, shift, first, count, ni, lower, 0.0)
+        _gather(ahead, shift, first, count, ni, upper, 0.0)
+        _multiply(upper, spike, product)
+        _subtract(product, middle)
+        _copy(around, (g * ni + last) * 4 * MATRIX - MATRIX, spike, 0)
+        _multiply(lower, spike, product)
+        _subtract(product, middle)
+        _invert(middle, inverse)
+        _multiply(inverse, lower, by_lower)
+        _multiply(inverse, upper, by_upper)
+        f = (g * ni + last) * 4 * MATRIX
+        _copy(inverse, 0, around, f)
+        _copy(by_lower, 0, around, f + MATRIX)
+        _copy(by_upper, 0, around, f + 2 * MATRIX)
 
 
 @jit
@@ -188,30 +183,32 @@ def factorise_across(diagonal: Any, below: Any, above: Any, shift: Any, ni: int,
     Arguments as for factorise_around, below and above being the neighbours j−1, j+1; across: flat (groups of i · nj ·
     3 matrices · 16 · LANES,) float32, written: inverse pivot, pivot·lower, pivot·upper.
     """
-    w = np.zeros(_WORK, dtype=np.float32)
+    middle, lower, upper = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
+    inverse, product, before = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
+    by_lower, by_upper = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
     for g in range((ni + LANES - 1) // LANES):
         count = min(LANES, ni - g * LANES)
         for j in range(nj):
             first = j * ni + g * LANES
-            _gather(diagonal, shift, first, count, 1, w, _DIAGONAL, 1.0)
-            _gather(below, shift, first, count, 1, w, _LOWER, 0.0)
-            _gather(above, shift, first, count, 1, w, _UPPER, 0.0)
-            _invert(w, _DIAGONAL, _INVERSE)
-            _multiply(w, _INVERSE, _LOWER, _SPARE)
-            _multiply(w, _INVERSE, _UPPER, _RESULT)
+            _gather(diagonal, shift, first, count, 1, middle, 1.0)
+            _gather(below, shift, first, count, 1, lower, 0.0)
+            _gather(above, shift, first, count, 1, upper, 0.0)
+            _invert(middle, inverse)
+            _multiply(inverse, lower, by_lower)
+            _multiply(inverse, upper, by_upper)
             # pivot I − lower·(upper of the cell before)
             for k in range(MATRIX):
-                w[_DIAGONAL + k] = 0.0
+                middle[k] = 0.0
             if j > 0:
-                _multiply(w, _SPARE, _BEFORE, _PRODUCT)
-                _subtract(w, _PRODUCT, _DIAGONAL)
+                _multiply(by_lower, before, product)
+                _subtract(product, middle)
             for m in range(4):
                 for l in range(LANES):
-                    w[_DIAGONAL + 5 * m * LANES + l] += 1.0
-            _invert(w, _DIAGONAL, _INVERSE)
-            _multiply(w, _INVERSE, _SPARE, _PRODUCT)
-            _multiply(w, _INVERSE, _RESULT, _BEFORE)
-            f = across[(g * nj + j) * 3 * MATRIX : (g * nj + j + 1) * 3 * MATRIX]
-            _copy(w, _INVERSE, f, 0)
-            _copy(w, _PRODUCT, f, MATRIX)
-            _copy(w, _BEFORE, f, 2 * MATRIX)
+                    middle[5 * m * LANES + l] += 1.0
+            _invert(middle, inverse)
+            _multiply(inverse, by_lower, product)
+            _multiply(inverse, by_upper, before)
+            f = (g * nj + j) * 3 * MATRIX
+            _copy(inverse, 0, across, f)
+            _copy(product, 0, across, f + MATRIX)
+            _copy(before, 0, across, f + 2 * MATRIX)

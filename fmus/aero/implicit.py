@@ -181,7 +181,7 @@ class Blocks:
 
     def __init__(self, mesh: Mesh) -> None:
         nj, ni = mesh.shape
-        self.diagonal, self.near, self.radius = np.empty((nj, ni, 4, 4)), np.empty((4, nj, ni, 4, 4)), np.empty((nj, ni))
+        self.diagonal, self.near, self.radius = np.empty(nj * ni * 16), np.empty((4, nj * ni * 16)), np.empty(nj * ni)
 
 
 class Factors:
@@ -191,16 +191,16 @@ class Factors:
         nj, ni = mesh.shape
         groups_j, groups_i = -(-nj // LANES), -(-ni // LANES)
         diagonal, near, radius = blocks.diagonal, blocks.near, blocks.radius
-        assemble(recipe.flow, mesh.side, mesh.ring, recipe.far, diagonal, near, radius)
+        assemble(recipe.flow, mesh.side, mesh.ring, recipe.far, diagonal, *near, radius)
         # lanes that pad the last group stay zero
         around = np.zeros((groups_j, ni, 4, 16, LANES), dtype=np.float32)
         across = np.zeros((groups_i, nj, 3, 16, LANES), dtype=np.float32)
-        time = mesh.volume * recipe.weight
+        time = mesh.volume.ravel() * recipe.weight
         if np.isfinite(recipe.least_cfl):
             time = np.minimum(time, radius / recipe.least_cfl)
-        shift = (time + radius / recipe.cfl).ravel()
-        factorise_around(diagonal.ravel(), near[0].ravel(), near[1].ravel(), shift, ni, nj, around.ravel())
-        factorise_across(diagonal.ravel(), near[2].ravel(), near[3].ravel(), shift, ni, nj, across.ravel())
+        shift = time + radius / recipe.cfl
+        factorise_around(diagonal, near[0], near[1], shift, ni, nj, around.ravel())
+        factorise_across(diagonal, near[2], near[3], shift, ni, nj, across.ravel())
         self._around, self._across = pack(around.view(np.uint32).ravel()), pack(across.view(np.uint32).ravel())
         self.recipe = recipe
         self._shape = nj, ni

@@ -9,7 +9,7 @@ from aeroslosh.fmus.aero.bdf import bdf_weights, combine, turn
 from aeroslosh.fmus.aero.factorise import LANES, factorise_across, factorise_around, pack
 from aeroslosh.fmus.aero.flux import ALBADA, GAMMA, half_slopes, limits, residual, roe, shock
 from aeroslosh.fmus.aero.implicit import Blocks, Factors, Recipe
-from aeroslosh.fmus.aero.jacobian import _face_blocks, assemble
+from aeroslosh.fmus.aero.jacobian import assemble, face_blocks
 from aeroslosh.fmus.aero.march import Flow
 from aeroslosh.fmus.aero.mesh import Mesh, o_mesh
 from aeroslosh.fmus.aero.wall import wall_state
@@ -184,7 +184,7 @@ def test_face_blocks_are_the_derivative_of_the_flux() -> None:
     # faster than sound: below, Roe's dissipation of the normal velocity is less than the linearisation's
     a, b = np.array([1.0, 0.9, -0.6, 0.7]), np.array([1.001, 0.9009, -0.6, 0.7004])
     plus, minus = np.zeros((4, 4)), np.zeros((4, 4))
-    _face_blocks(*n, length, a, b, plus, minus, np.zeros((4, 4)))
+    face_blocks(*n, length, a, b, plus.ravel(), minus.ravel(), np.zeros(16))
 
     def flux(qa: np.ndarray, qb: np.ndarray) -> np.ndarray:
         return length * np.array(roe(*n, 0.0, 0.0, 0.0, *primitive(qa), *primitive(qb)))
@@ -228,7 +228,8 @@ def test_line_solver_inverts_the_product_of_its_factors(mesh: Mesh) -> None:
     recipe = Recipe(flow.q.copy(), flow.farfield.state.copy(), 0.7, 12.0)
     r = np.random.default_rng(0).standard_normal(flow.q.shape)
     diagonal, near, radius = np.empty((nj, ni, 4, 4)), np.empty((4, nj, ni, 4, 4)), np.empty((nj, ni))
-    assemble(flow.q, mesh.side, mesh.ring, flow.farfield.state, diagonal, near, radius)
+    flat = [block.ravel() for block in (diagonal, *near)]
+    assemble(flow.q, mesh.side, mesh.ring, flow.farfield.state, *flat, radius.ravel())
     shift = mesh.volume * 0.7 + radius / 12.0
 
     def times(blocks: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -244,8 +245,8 @@ def test_line_solver_inverts_the_product_of_its_factors(mesh: Mesh) -> None:
     # the factors themselves, in float32
     around = np.zeros((-(-nj // LANES), ni, 4, 16, LANES), dtype=np.float32)
     across = np.zeros((-(-ni // LANES), nj, 3, 16, LANES), dtype=np.float32)
-    factorise_around(diagonal.ravel(), near[0].ravel(), near[1].ravel(), shift.ravel(), ni, nj, around.ravel())
-    factorise_across(diagonal.ravel(), near[2].ravel(), near[3].ravel(), shift.ravel(), ni, nj, across.ravel())
+    factorise_around(flat[0], flat[1], flat[2], shift.ravel(), ni, nj, around.ravel())
+    factorise_across(flat[0], flat[3], flat[4], shift.ravel(), ni, nj, across.ravel())
     assert missed(lines_solved(around, across, r)) < 5e-6
     # the solver's are packed: it solves exactly with what was kept
     x = np.zeros_like(r)
