@@ -1,4 +1,3 @@
-"""The paper's figures and tables, computed here: one module each, `python -m paper.<module>`.
+"""Studies of our own that pages of docs/ quote, one module each: `python -m studies.<module>`.
 
-Srivastava, Damodaran and Khoo: Models for Predicting Transonic Flutter of a Wing-Section with Sloshing in an Embedded Fuel Tank.
-"""
+The figures of the paper itself are `aeroslosh paper` (master/paper)."""

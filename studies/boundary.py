@@ -1,6 +1,6 @@
 """The dry flutter boundary beside the linear model's, as the table of docs/boundary.md.
 
-`aeroslosh boundary cases/isogai_a_boundary.toml --out runs/boundary`, then `python -m paper.boundary runs/boundary`.
+`aeroslosh boundary cases/isogai_a_boundary.toml --out runs/boundary`, then `python -m studies.boundary runs/boundary`.
 """
 
 from __future__ import annotations

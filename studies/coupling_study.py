@@ -1,6 +1,6 @@
 """What coupling schemes do to a section with liquid: artificial damping, stability limits, observed orders.
 
-`python -m paper.coupling_study [--fmus DIR] [--csv FILE] [--picture FILE]` marches structure and slosh_ems FMU through the
+`python -m studies.coupling_study [--fmus DIR] [--csv FILE] [--picture FILE]` marches structure and slosh_ems FMU through the
 master, without air, and compares with the continuous system. Two motions: plunge with a full tank, whose liquid is a rigid mass
 (nothing may damp it), and pitch with a half-full tank above its waves' frequencies. mu is the frozen liquid's mass (inertia) over
 the section's.

@@ -1,6 +1,6 @@
 """Growth rate of the flutter mode over V_f, march by march: what tests/master/boundary/test_search_marched.py searches.
 
-`python -m paper.growth_rates CASE SLOSH POINTS MACH …` prints rows of CSV, V_f evenly spread in its logarithm from 0.2 to 3.
+`python -m studies.growth_rates CASE SLOSH POINTS MACH …` prints rows of CSV, V_f evenly spread in its logarithm from 0.2 to 3.
 """
 
 from __future__ import annotations

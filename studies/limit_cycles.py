@@ -1,6 +1,6 @@
 """Limit-cycle amplitude over V_f at one Mach number, between onset and recovery of flutter.
 
-`python -m paper.limit_cycles [mach] [V_f …]` marches each point for 40 free cycles from 3 degrees and prints a Markdown table.
+`python -m studies.limit_cycles [mach] [V_f …]` marches each point for 40 free cycles from 3 degrees and prints a Markdown table.
 """
 
 from __future__ import annotations

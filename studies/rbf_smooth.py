@@ -1,6 +1,6 @@
 """What output feedback costs: the paper's network on smooth motions, sampled well, one step ahead and in free run.
 
-`python -m paper.rbf_smooth [--records FOLDER] [--csv FILE]`. Band-limited random plunge and pitch (35 to 105 rad/s), 4 s each:
+`python -m studies.rbf_smooth [--records FOLDER] [--csv FILE]`. Band-limited random plunge and pitch (35 to 105 rad/s), 4 s each:
 four records to fit, one to choose size, spread and ridge by, two to judge. Delays 5 and 3; inputs are the motion (h/l, alpha) or
 the drive that the liquid feels. Beside it linear feedback, and what needs no training: slosh_ems, the bilinear equations.
 """
@@ -24,23 +24,10 @@ from aeroslosh.fmus.slosh_rbf.training.feedback_fit import fit
 from aeroslosh.fmus.slosh_rbf.training.intensity import intensity
 from aeroslosh.fmus.slosh_rbf.training.plan import TANK, settings
 from aeroslosh.fmus.slosh_rbf.training.signals import instants
+from aeroslosh.master.paper.surrogate import DELAYS, FINE, ROOM, SHAPE, in_tank, nrmse, predictions, search
 from aeroslosh.master.training.tank_records import LINEAR_LOADS, Drive
 
-from .rbf_experiment import (
-    DELAYS,
-    FINE,
-    GAS,
-    ROOM,
-    SHAPE,
-    VISCOSITY,
-    arguments,
-    in_tank,
-    nrmse,
-    predictions,
-    search,
-    show,
-    write,
-)  # fmt: skip
+from .rbf_experiment import GAS, VISCOSITY, arguments, show, write
 
 LEVELS = {"A": (0.0005, 0.2), "B": (0.002, 0.5)}
 """Peaks of plunge [m] and pitch [deg]."""

@@ -1,6 +1,6 @@
 """When does sloshing begin to matter? Growth rate of preset S over the forced pitch: fuel frozen, linear, two-phase.
 
-`python -m paper.slosh_amplitude [--fmus DIR] [--csv FILE] [--picture FILE]`: Mach 0.80, V_f 0.75, where frozen fuel is neutral.
+`python -m studies.slosh_amplitude [--fmus DIR] [--csv FILE] [--picture FILE]`: Mach 0.80, V_f 0.75, where frozen fuel is neutral.
 At the tank, 1.8 m behind the axis, a degree of pitch is an acceleration of seven g.
 """
 

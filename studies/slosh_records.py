@@ -1,6 +1,6 @@
 """Records of the two-phase tank for the surrogate: the standard plan of fmus/slosh_rbf/training/plan.py through slosh_vof.fmu.
 
-`python -m paper.slosh_records FOLDER [--fmu dist/fmus/slosh_vof.fmu] [--workers 1] [--fill 0.5] [--split train ...]`. Goes on
+`python -m studies.slosh_records FOLDER [--fmu dist/fmus/slosh_vof.fmu] [--workers 1] [--fill 0.5] [--split train ...]`. Goes on
 where an earlier call was stopped.
 """
 

@@ -1,6 +1,6 @@
 """The two-phase tank against interFoam: force and moment of two cases, and the surface as it breaks.
 
-`python -m paper.slosh_vof [picture.png]`. Case B: pitch of 1 degree at 3.14 rad/s. Case C06: pitch of 4 degrees and heave of
+`python -m studies.slosh_vof [picture.png]`. Case B: pitch of 1 degree at 3.14 rad/s. Case C06: pitch of 4 degrees and heave of
 7.5 mm at 6.28 rad/s, the roof is hit after 2 s. OpenFOAM 1912's series, made with benchmarks/interfoam.py, come from tests/data.
 """
 

@@ -1,7 +1,7 @@
 """What a tool that exchanges values once a step (Jacobi) adds to a growth rate: the figures of docs/ssp.md.
 
-`python -m paper.ssp_lag [--fmus DIR] [--small]` exports a dry section, one with frozen fuel and one with sloshing fuel at several
-steps, with and without the FMUs' prediction of their inputs, marches what the archive says by our master's Jacobi without
+`python -m studies.ssp_lag [--fmus DIR] [--small]` exports a dry section, one with frozen fuel and one with sloshing fuel at
+several steps, with and without the FMUs' prediction of their inputs, marches what the archive says by our master's Jacobi without
 extrapolation, which FMPy, libcosim and ecos were shown to equal (tests/ssp/test_ssp_hosts.py), and fits the growth rate. Beside
 it the master's own default (Gauss-Seidel, extrapolated) at the same step.
 
