@@ -107,5 +107,8 @@ def draw(points: list[Point]) -> Any:
         axes[1].set_title(f"paper: {shown.word}")
     for axis in rows[-1]:
         axis.set_xlabel("time, in cycles $\\omega_\\alpha t / 2\\pi$ [–]")
+    figure.suptitle(
+        "Fig. 11: NACA 64A010, Isogai A, Euler flow, no fuel: ours on the left, the paper's word on the right", fontsize=11
+    )
     canvas.legend(figure, rows[0][0])
     return figure

@@ -70,7 +70,7 @@ def over(rows: Iterable[Row], variant: str, model: str, mode: str, side: int) ->
     """Delay → NRMSE [%], the other delay being the paper's."""
     mine = [row for row in rows if (row.variant, row.model, row.mode) == (variant, model, mode)]
     pairs = [((row.input_delay, row.output_delay), row.nrmse) for row in mine]
-    return {delays[side]: error for delays, error in pairs if delays[1 - side] == DELAYS[1 - side]}
+    return dict(sorted((delays[side], error) for delays, error in pairs if delays[1 - side] == DELAYS[1 - side]))
 
 
 def summary(rows: list[Row], mode: str) -> str:

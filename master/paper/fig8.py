@@ -98,7 +98,7 @@ def draw(spectra: dict[str, tuple[Array, Array]]) -> Any:
     for name, hold, key, colour in (("white noise", 1, "white", look.GREY), (f"APRBS, N = {HOLD}", HOLD, "p0", look.BLUE)):
         omega, power = spectra[key]
         b.semilogy(omega, power, color=colour, lw=1.6, label=name)
-        b.semilogy(omega, theory(omega, hold, 0.0), color=look.INK, lw=0.6, label="theory")
+        b.semilogy(omega, theory(omega, hold, 0.0), color=look.INK, lw=0.8, ls=":", label="theory")
     b.set(title="(b) power spectral density", ylabel="PSD of unit variance [s/rad]", ylim=(1e-5, 3e-2))
     c.step(*signal(HOLD, 0.0, SHOWN), color=look.SKY, lw=0.8, where="post", label="every level new")
     c.step(*signal(HOLD, 0.5, SHOWN), color=look.ORANGE, lw=1.2, where="post", label="kept with probability 0.5")
@@ -106,12 +106,13 @@ def draw(spectra: dict[str, tuple[Array, Array]]) -> Any:
     for keep, colour in zip(KEEPS, COLOURS, strict=True):
         omega, power = spectra[f"p{keep:g}"]
         d.plot(omega, np.sqrt(power), color=colour, lw=1.5, label=f"kept with probability {keep:g}")
-        d.plot(omega, np.sqrt(theory(omega, HOLD, keep)), color=look.INK, lw=0.6, label="theory")
+        d.plot(omega, np.sqrt(theory(omega, HOLD, keep)), color=look.INK, lw=0.8, ls=":", label="theory")
     omega, power = spectra["smooth"]
     d.plot(omega, np.sqrt(power), color=look.INK, ls="--", lw=1.5, label="ours, 35 to 105 rad/s")
     d.set(title="(d) amplitude over frequency", ylabel="root of the PSD [√(s/rad)]", ylim=(0.0, None))
     for axis in (b, d):
         axis.axvline(PITCH, color=look.GREY, lw=1, ls=":")
         axis.set(xlabel="frequency [rad/s] (dotted: pitch, 100)", xlim=(0.0, np.pi / SAMPLE))
+    figure.suptitle("Fig. 8: excitation of the surrogate, samples of 0.02 s", fontsize=11)
     canvas.legend(figure, b, c, d, columns=4)
     return figure

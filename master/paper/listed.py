@@ -20,6 +20,7 @@ LISTED = {
     "section.elastic_axis": 0.2,
 }  # fmt: skip
 """Section II. The elastic axis is not told: a = -0.6, that of Thomas, Dowell and Hall's section with these ratios."""
+THIN = 0.4045  # neutral V_f at Mach 0.80 by Possio's equation (tests/support/possio.py)
 MACH, DAMPED, FLUTTER = 0.80, 0.78, 0.86
 
 
@@ -33,8 +34,8 @@ def make(work: Work) -> Outcome:
     V_f = float(first["V_f"]) if first else math.nan
     doubt = float(first["V_f_uncertainty"] or 0.0) if first else math.nan
     remarks = [
-        f"listed parameters: onset at V_f {V_f:.4f} ± {doubt:.4f} (thin airfoil in "
-        "linear flow: 0.405, spec of this project); at 0.78 and 0.86 both motions are far above it",
+        f"listed parameters: onset at V_f {V_f:.4f} ± {doubt:.4f} (thin airfoil in linear flow: "
+        f"{THIN:.4f}); the motions at {DAMPED:g} and {FLUTTER:g} are at {DAMPED / V_f:.2f} and {FLUTTER / V_f:.2f} times that",
         f"Isogai A at V_f {DAMPED:g}: {isogai}",
         "so the figures are of Isogai's case A: x_alpha 1.8, r² 3.48, mu 60, 100 rad/s, the elastic axis half a chord "
         "ahead of the "

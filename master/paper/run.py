@@ -156,7 +156,8 @@ def index(out: Path, key: dict[str, Any]) -> None:
         lines += ["| claim | where | paper | ours | |", "|---|---|---|---|---|"]
         for c in d["claims"]:
             said = "agrees" if c["agrees"] else "differs" + (f": {c['why']}" if c["why"] else "")
-            lines.append("| " + " | ".join([c["what"], c["source"], c["paper"], c["ours"], said]) + " |")
+            cells = (c["what"], c["source"], c["paper"], c["ours"], said)
+            lines.append("| " + " | ".join(text.replace("|", "\\|") for text in cells) + " |")
         lines += ["", *(f"- {text}" for text in d["conditions"]), "", *(f"- {text}" for text in d["remarks"])]
         lines += ["", "Files: " + ", ".join(f"[{f}]({name}/{f})" for f in d["files"])]
     files.write(out / "paper.md", ("\n".join(lines) + "\n").encode())
