@@ -43,7 +43,7 @@ MAY = {
 # FMUs' library in a program that is no Python, and figures of the paper that are of a component's parts (its grid, its equations,
 # its excitation).
 KNOWS_COMPONENTS = {"master.commands.train", "master.commands.train_violent", "master.fmi.installed", "master.hosts.bare"} | {
-    f"master.paper.{name}" for name in ("fig8", "fig10", "fig18", "fig19", "fig20", "surrogate", "tank")
+    f"master.paper.{name}" for name in ("fig8", "fig18", "fig19", "fig20", "surrogate", "tank")
 }
 
 

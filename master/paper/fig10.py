@@ -8,9 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...fmus.aero.control import Settings
-from ...fmus.aero.march import Flow
-from ...fmus.aero.mesh import o_mesh
+from ..api.simulate import simulate
 from ..pictures import canvas, look
 from .claims import Claim, at_most
 from .outcome import Outcome, Table
@@ -20,7 +18,6 @@ MACH, ALPHA_DEG, AIRFOIL, FARFIELD = 0.70, 3.0, "NACA 64A010", 25.0
 PAPER = ((90, 26), (118, 34), (168, 48), (238, 68))
 NESTED = ((84, 24), (168, 48), (336, 96))
 SMALL = ((64, 16), (80, 20), (96, 24))
-CONVERGED = Settings(steady_tolerance=3e-8, steady_iterations=20000, steady_lift=1e-6)
 PAPER_INDEX = 0.0017  # section IV A, on 8,100 elements
 SAFETY = 1.25
 Family = dict[int, float]
@@ -29,7 +26,7 @@ Family = dict[int, float]
 def make(work: Work) -> Outcome:
     """C_L on both families."""
     sizes = {"paper's sizes": work.pick(PAPER, SMALL), "nested": work.pick(NESTED, SMALL)}
-    computed = {cells: lift(cells) for cells in dict.fromkeys(c for family in sizes.values() for c in family)}
+    computed = {cells: lift(work, cells) for cells in dict.fromkeys(c for family in sizes.values() for c in family)}
     families = {name: {a * n: computed[a, n] for a, n in family} for name, family in sizes.items()}
     coarse, middle, fine = families["nested"].values()
     cells = tuple(families["nested"])
@@ -57,12 +54,14 @@ def judged(found: float) -> Claim:
     return at_most(what, "section IV A", 100.0 * PAPER_INDEX, 100.0 * found, "another mesh and scheme", " %")
 
 
-def lift(cells: tuple[int, int]) -> float:
-    """C_L of the steady flow on an O-mesh of cells (around, normal), converged beyond what a march asks for: the index is of
-    differences of 0.1 %, and the FMU's steady flow stands within 0.01 %."""
-    flow = Flow(o_mesh(AIRFOIL, *cells, FARFIELD), MACH, -0.5, CONVERGED)
-    flow.solve_steady(math.radians(ALPHA_DEG))
-    return float(flow.coefficients.lift)
+def lift(work: Work, cells: tuple[int, int]) -> float:
+    """C_L of the steady flow on an O-mesh of cells (around, normal)."""
+    values = {
+        "mach": MACH, "mean_alpha": math.radians(ALPHA_DEG), "airfoil": AIRFOIL, "farfield_chords": FARFIELD,
+        "cells_around": cells[0], "cells_normal": cells[1],
+    }  # fmt: skip
+    still = {"time": [0.0, 1e-5], "alpha": [0.0, 0.0]}
+    return float(simulate(work.fmu("aero"), still, parameters=values)["C_L"][0])
 
 
 def order(coarse: float, middle: float, fine: float, ratio: float) -> float:

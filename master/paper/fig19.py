@@ -48,7 +48,7 @@ def make(work: Work) -> Outcome:
 
 def judged(added: dict[str, float], three: dict[str, float]) -> list[Claim]:
     """The fourth mode's part [%] and the first three modes' share of eight, by motion."""
-    why = "1.14 % comes out at no natural motion, only close to resonances; see remarks"
+    why = "the paper does not name its motion; none of those tried gives 1.14 %: see remarks"
     return [
         within("the first three modes hold nearly all of the modal force: share", "section IV E", 1.0, three["slow sway"], 0.02),
         within("the fourth mode adds", "section IV E, Fig. 19", FOURTH, added["slow sway"], TOLERANCE, why, " %"),

@@ -66,7 +66,7 @@ def draw(ours: dict[str, float]) -> Any:
         places = [-k + shift for k in range(len(PAPER))]
         axis.barh(places, list(seconds.values()), 0.36, color=colour, label=label)
         for place, value in zip(places, seconds.values(), strict=True):
-            axis.text(value * 1.3, place, f"{value:.3g} s", va="center", fontsize=9)
+            axis.text(value * 1.3, place, f"{value:,.0f} s" if value >= 100 else f"{value:.3g} s", va="center", fontsize=9)
     axis.set_yticks([-k for k in range(len(PAPER))], list(PAPER))
     axis.set(xscale="log", xlabel="CPU time [s]", xlim=(min(ours.values()) / 3, 3e4))
     figure.suptitle("Table 1: cost of two-phase slosh and of the paper's surrogate", fontsize=11)
