@@ -152,7 +152,15 @@ def index(out: Path, key: dict[str, Any]) -> None:
         for name, d in there.items()
     ]
     for name, d in there.items():
-        lines += ["", f"## {name}", "", f"{d['title']}. {d['verdict']}", "", f"![{d['title']}]({name}/picture.png)", ""]
+        lines += [
+            "",
+            f"## {name}",
+            "",
+            f"What it shows: {d['title']}. Verdict: {d['verdict']}",
+            "",
+            f"![{d['title']}]({name}/picture.png)",
+            "",
+        ]
         lines += ["| claim | where | paper | ours | |", "|---|---|---|---|---|"]
         for c in d["claims"]:
             said = "agrees" if c["agrees"] else "differs" + (f": {c['why']}" if c["why"] else "")

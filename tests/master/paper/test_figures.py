@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -35,8 +36,9 @@ def test_a_figure_on_a_reduced_size(work: Work, name: str) -> None:
     assert found is not None and found["claims"] and found["conditions"] and found["verdict"] == row.verdict
     assert (work.out / name / "picture.png").stat().st_size > 10_000
     for file in found["files"][1:]:
-        header, *rows = (work.out / name / file).read_text().splitlines()
-        assert rows and all(len(line.split(",")) >= len(header.split(",")) for line in rows)
+        with (work.out / name / file).open(newline="", encoding="utf-8") as stream:
+            header, *rows = csv.reader(stream)
+        assert rows and {len(row) for row in rows} == {len(header)}
 
 
 def test_spectra_meet_their_theory() -> None:
