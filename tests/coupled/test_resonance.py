@@ -1,7 +1,7 @@
 """The paper's section with fuel whose waves come to the frequency of flutter, in linear subsonic flow.
 
 The preset four times as large (chord 8 m), gravity raised: the same ratio of masses, waves faster beside the section. `-s` prints
-the table of docs/does-slosh-matter.md. Closest to resonance (gravity 100) the root finder has no answer near the frozen fuel's."""
+the table of docs/does-slosh-matter.md. Closest to resonance (gravity 100) there is no root near the frozen fuel's."""
 
 from __future__ import annotations
 
