@@ -27,6 +27,7 @@ FLOORS = (
     ("report",),
     ("sweeps", "ssp", "hosts", "training"),
     ("api",),
+    ("paper",),
     ("commands",),
     ("cli",),
 )
@@ -47,6 +48,7 @@ WHAT = {
     "hosts": "other people's tools",
     "training": "a network's records",
     "api": "the Python interface",
+    "paper": "the paper's figures",
     "commands": "one module a command",
     "cli": "the command line",
 }

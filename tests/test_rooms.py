@@ -35,12 +35,16 @@ MAY = {
     "hosts": "base fmi pictures",
     "training": "base fmi case",
     "api": "base fmi cosim case analysis flutter boundary results pictures report sweeps",
-    "commands": "base fmi cosim case analysis flutter boundary results pictures sweeps ssp hosts training api",
+    "paper": "base fmi case pictures training api",
+    "commands": "base fmi cosim case analysis flutter boundary results pictures sweeps ssp hosts training api paper",
     "cli": "base commands",
 }
-# Who of master knows components: what trains the network of slosh_rbf, what builds FMUs where there are none, and what
-# tries the FMUs' library in a program that is no Python.
-KNOWS_COMPONENTS = {"master.commands.train", "master.commands.train_violent", "master.fmi.installed", "master.hosts.bare"}
+# Who of master knows components: what trains the network of slosh_rbf, what builds FMUs where there are none, what tries the
+# FMUs' library in a program that is no Python, and figures of the paper that are of a component's parts (its grid, its equations,
+# its excitation).
+KNOWS_COMPONENTS = {"master.commands.train", "master.commands.train_violent", "master.fmi.installed", "master.hosts.bare"} | {
+    f"master.paper.{name}" for name in ("fig8", "fig18", "fig19", "fig20", "surrogate", "tank")
+}
 
 
 def rooms_script() -> ModuleType:
@@ -170,9 +174,9 @@ def test_the_picture_is_of_this_code() -> None:
 
 
 def test_pages_and_comments_name_modules_and_tests_that_exist() -> None:
-    word = re.compile(r"\b(?:tests|master|fmus|paper|benchmarks)/[\w/]+\.(?:py|csv|c)\b")
+    word = re.compile(r"\b(?:tests|master|fmus|studies|benchmarks)/[\w/]+\.(?:py|csv|c)\b")
     told = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-    for folder in ("master", "fmus", "paper", "benchmarks", "examples", "tests/support"):
+    for folder in ("master", "fmus", "studies", "benchmarks", "examples", "tests/support"):
         told += [path for ending in ("py", "md") for path in (ROOT / folder).rglob(f"*.{ending}")]
     named = {(path.relative_to(ROOT), name) for path in told for name in word.findall(path.read_text(encoding="utf-8"))}
     assert [(path, name) for path, name in named if not (ROOT / name).is_file()] == []

@@ -14,6 +14,7 @@ HELP = {
     "overlay": "draw the boundaries of several runs in one picture: dry against fuel",
     "report": "write a run, a sweep or a system's run as one HTML page that can be sent",
     "export": "write a run's histories or fields, or a coupled system, for other programs",
+    "paper": "compute the figures of Srivastava, Damodaran and Khoo's paper, with a verdict on each; resumable",
     "train": "train the surrogate slosh_rbf of one tank on records of slosh_vof, with a report",
     "doctor": "check this installation and each FMU; say how to start another program that runs FMUs",
     "completion": "print the script that completes commands and options in bash, zsh or fish",

@@ -1,7 +1,7 @@
 """Drives a slosh FMU through motions of its tank, for records that a surrogate learns from.
 
 `Drive` is a picklable function: fmus/slosh_rbf/training/dataset.py takes it and calls it in processes of its own
-(paper/slosh_records.py puts the two together). Any slosh FMU on any grid: its parameters come with each record.
+(studies/slosh_records.py puts the two together). Any slosh FMU on any grid: its parameters come with each record.
 """
 
 from __future__ import annotations

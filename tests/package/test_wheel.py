@@ -121,6 +121,12 @@ def test_sweep_boundary_and_run_in_an_empty_folder(place: Path, home: str, tmp_p
     assert "network" in aeroslosh(place, tmp_path, "train", "--help", home=home).stdout
 
 
+def test_the_papers_figures_in_an_empty_folder(place: Path, home: str, tmp_path: Path) -> None:
+    done = aeroslosh(place, tmp_path, "paper", "fig18", "fig20", "--coarse", "--json", home=home)
+    assert [row["failed"] for row in json.loads(done.stdout)["figures"]] == [None, None]
+    assert (tmp_path / "runs" / "paper" / "fig20" / "picture.png").is_file()
+
+
 def test_doctor_finds_the_fmus(place: Path, home: str, tmp_path: Path) -> None:
     done = aeroslosh(place, tmp_path, "doctor", "--no-self-test", "--json", home=home)
     assert "by aero, slosh_vof, structure" in done.stdout  # read from the FMUs that were built

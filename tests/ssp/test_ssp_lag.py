@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from paper import ssp_lag
+from studies import ssp_lag
 
 sys.path.insert(0, str(Path(__file__).parent))
 from ssp_marches import Fmu, files

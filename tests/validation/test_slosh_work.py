@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paper.slosh_work import work_a_cycle
+from studies.slosh_work import work_a_cycle
 
 pytestmark = pytest.mark.validation
 
