@@ -22,6 +22,7 @@ from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup, find_fmus
 from ..fmi import unpack
+from ..results.amplitude_text import said
 from ..results.provenance import provenance
 from ..results.run_folder import RunFolder
 from .case import Case
@@ -215,23 +216,6 @@ def _cycle_data(c: Cycle, confirmed: Sequence[tuple[Cycle, str]]) -> dict[str, A
         "slope": c.slope,
         "confirmed": near[0] if near else "",
     }
-
-
-def said(row: dict[str, Any]) -> str:
-    """A V_f in a line."""
-    found = [
-        f"{'stable' if c['stable'] else 'unstable'} limit cycle at {c['amplitude_deg']:.3g} ± {c['std_deg']:.1g} deg"
-        + (f" (marched from {c['confirmed']})" if c["confirmed"] else " (not confirmed)")
-        for c in row["cycles"]
-    ]
-    if found:
-        return f"V_f {row['V_f']:g}: " + ", ".join(found)
-    rates = [p["growth_rate"] for p in row["curve"]]
-    if not rates:
-        return f"V_f {row['V_f']:g}: no march was long enough to read an envelope"
-    word = "grow" if all(r > 0.0 for r in rates) else "decay" if all(r < 0.0 for r in rates) else "grow and decay"
-    low, high = row["curve"][0]["amplitude_deg"], row["curve"][-1]["amplitude_deg"]
-    return f"V_f {row['V_f']:g}: no limit cycle, motions of {low:.2g} to {high:.2g} deg {word}"
 
 
 def write(case: cases.Case, data: dict[str, Any], folder: RunFolder, fmus: dict[str, Path]) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..base.errors import AeroSloshError
 from ..results import past_run
 from . import datasets
+from .amplitude import Amplitude
 from .boundary import Boundary
 from .case import Case
 from .point import Point
@@ -18,9 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def open_run(path: str | os.PathLike[str]) -> Point | Boundary | xr.Dataset:
-    """A run folder of `point` (→ Point), `boundary` (→ Boundary), `run` (→ Dataset of its history), a sweep folder (→ Dataset
-    over the swept keys), or one history file (→ Dataset).
+def open_run(path: str | os.PathLike[str]) -> Point | Boundary | Amplitude | xr.Dataset:
+    """A run folder of `point` (→ Point), `boundary` (→ Boundary), `amplitude` (→ Amplitude), `run` (→ Dataset of its history), a
+    sweep folder (→ Dataset over the swept keys), or one history file (→ Dataset).
 
     Raises AeroSloshError for anything else."""
     place = Path(path).absolute()
@@ -39,6 +40,8 @@ def open_run(path: str | os.PathLike[str]) -> Point | Boundary | xr.Dataset:
     case = Case.load(place / "case.toml") if (place / "case.toml").is_file() else None
     if run.kind == "boundary":
         return Boundary(case, run.result, place)
+    if run.kind == "amplitude":
+        return Amplitude(case, run.result, place)
     if run.kind == "point":
         return Point(case, run.result, place)
     raise AeroSloshError(

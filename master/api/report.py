@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def report(path: str | os.PathLike[str], out: str | os.PathLike[str] | None = None) -> Path:
-    """Write the page of a run folder (`point`, `boundary`, `run`) or a sweep folder; it needs nothing but a browser.
+    """Write the page of a run folder (`point`, `boundary`, `amplitude`, `run`) or a sweep folder; it needs nothing but a browser.
 
     path  the folder; out: the page, report.html in the folder where None
 

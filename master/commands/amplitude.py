@@ -11,6 +11,7 @@ from ..api.point import check_fmus
 from ..base.errors import ExitCode
 from ..cosim.progress import Progress
 from ..flutter.setup import find_fmus
+from ..results.amplitude_text import said
 from ..results.run_folder import RunFolder
 from . import HELP, common
 
@@ -48,9 +49,7 @@ def execute(options: argparse.Namespace) -> int:
         told = common.tell(options, [case], "point", folder.log)
         speeds = options.vf or [case.flutter.V_f]
         data = api.compute(case, fmus, speeds, starts, progress, folder) | told
-        summary = "\n".join(
-            [f"{case.name}, Mach {case.flow.mach:g}: limit cycles", *("  " + api.said(r) for r in data["speeds"])]
-        )
+        summary = "\n".join([f"{case.name}, Mach {case.flow.mach:g}: limit cycles", *("  " + said(r) for r in data["speeds"])])
         folder.log(summary)
         with common.printed(options, data, summary, folder):
             api.write(case, data, folder, fmus)

@@ -17,7 +17,9 @@ def register(commands: Any) -> None:
     """The command line."""
     text = HELP["report"]
     sub = commands.add_parser("report", help=text, description=text)
-    sub.add_argument("path", type=Path, metavar="RUN", help="a run folder of point, boundary or run, or a sweep folder")
+    sub.add_argument(
+        "path", type=Path, metavar="RUN", help="a run folder of point, boundary, amplitude or run, or a sweep folder"
+    )
     sub.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default RUN/report.html)")
     sub.add_argument("--json", action="store_true", help="JSON on standard output, nothing else")
     sub.set_defaults(execute=execute)

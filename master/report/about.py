@@ -24,7 +24,12 @@ COSTS = {
 
 def settings(run: PastRun) -> Markup:
     """Keys of the case, or of the system file, whose values are not the defaults; all of them with their meaning."""
-    unread = {"point": ("output", "sweep", "boundary"), "boundary": ("output", "sweep"), "sweep": ("output",)}
+    unread = {
+        "point": ("output", "sweep", "boundary"),
+        "amplitude": ("output", "sweep", "boundary"),
+        "boundary": ("output", "sweep"),
+        "sweep": ("output",),
+    }
     tables = {n: c for n, c in TABLES.items() if n not in unread.get(run.kind, ())}
     if run.kind == "run":
         tables = {"run": system_file.Run, "system": system_file.Wiring, "coupling": cases.Coupling}

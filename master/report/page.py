@@ -8,11 +8,16 @@ from ..base import files
 from ..base.errors import AeroSloshError
 from ..results import past_run
 from ..results.past_run import PastRun
-from . import about, boundary, point, sweep, system
+from . import about, amplitude, boundary, point, sweep, system
 from .markup import Markup, join, paragraph, section, tag
 
-KINDS = {"point": point.build, "boundary": boundary.build, "sweep": sweep.build, "run": system.build}
-WORDS = {"point": "Flutter point", "boundary": "Flutter boundary", "sweep": "Sweep", "run": "Run of a system"}
+KINDS = {
+    "point": point.build, "boundary": boundary.build, "amplitude": amplitude.build, "sweep": sweep.build, "run": system.build,
+}  # fmt: skip
+WORDS = {
+    "point": "Flutter point", "boundary": "Flutter boundary", "amplitude": "Limit cycles", "sweep": "Sweep",
+    "run": "Run of a system",
+}  # fmt: skip
 HERE = Path(__file__).parent
 
 

@@ -23,7 +23,8 @@ UNIT = re.compile(r"  # .*\[([^\[\]]+)\]$")  # as `settings.dump_table` writes i
 class PastRun:
     """A run read back.
 
-    kind        "point", "boundary", "sweep", "run", or "history" for a lone file of them; only runs of one kind compare
+    kind        "point", "boundary", "amplitude", "sweep", "run", or "history" for a lone file of them; only runs of one kind
+                compare
     settings    of the resolved case: table.key → value; `units`: table.key → unit, where it has one
     provenance  name → value, one level: "versions.numpy", "fmu_sha256.aero", "command", …
     result      the numbers, as in result.json less the provenance
@@ -96,6 +97,8 @@ def _sweep(path: Path) -> PastRun:
 def _kind(result: dict[str, Any]) -> str:
     if isinstance(result.get("points"), list):
         return "boundary"
+    if isinstance(result.get("speeds"), list):
+        return "amplitude"
     return "point" if "verdict" in result else "run"
 
 

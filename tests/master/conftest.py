@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from aeroslosh.master.analysis import envelopes
 from aeroslosh.master.analysis.damping import analyse
+from aeroslosh.master.analysis.envelopes import Envelope
 from aeroslosh.master.analysis.verdict import Verdict
+from aeroslosh.master.api import amplitude
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case.case import Case
 from aeroslosh.master.case.scales import scales
@@ -92,6 +96,35 @@ def boundary_run(tmp_path: Path) -> Callable[..., Path]:
             folder.write_result(
                 {"slosh": "none", "points": points, "cost": {"wall_seconds": 1.0}, "provenance": provenance(HASHES)}
             )
+        return tmp_path / name
+
+    return write
+
+
+@pytest.fixture
+def amplitude_run(tmp_path: Path) -> Callable[..., Path]:
+    """Return a function that writes the folder of an amplitude: name, V_f → `rate` of an amplitude [deg] (σ/ω_α)."""
+
+    def write(
+        name: str, rates: dict[float, Callable[[float], float]], sizes: Sequence[float] = (0.1, 0.3, 1.0, 3.0, 9.0)
+    ) -> Path:
+        speeds = []
+        for V_f, rate in rates.items():
+            motions = [
+                Envelope(np.radians(np.array(pair)), np.array([rate(a) for a in pair])) for pair in itertools.pairwise(sizes)
+            ]
+            marches = [
+                {"forced_deg": a, "first_deg": a, "last_deg": b, "last_rate": rate(b), "verdict": "flutter", "cpu_seconds": 2.0}
+                for a, b in itertools.pairwise(sizes)
+            ]
+            curve = [{"amplitude_deg": a, "growth_rate": rate(a), "standard_error": 1e-4} for a in sizes]
+            found = [amplitude._cycle_data(c, [(c, "both")] if c.stable else []) for c in envelopes.cycles(motions)]
+            speeds.append({"V_f": V_f, "marches": marches, "curve": curve, "cycles": found})
+        case = Case()
+        with RunFolder(tmp_path / name) as folder:
+            folder.write_case(case)
+            data = {"mach": 0.3, "slosh": "none", "free_cycles": 20.0, "speeds": speeds}
+            folder.write_result(data | {"provenance": provenance(HASHES)})
         return tmp_path / name
 
     return write

@@ -34,6 +34,8 @@ def test_rates_are_those_of_the_eigenvalues(flutter_fmus: Path, tmp_path: Path) 
         rates = np.array([p["growth_rate"] for p in row["curve"]])
         assert row["cycles"] == [] and np.all(np.sign(rates) == np.sign(truth))
         assert rates[-1] == pytest.approx(truth, abs=max(2e-3, 0.1 * abs(truth)))
+    again = ae.open(tmp_path / "a")
+    assert isinstance(again, amplitude.Amplitude) and repr(again) == repr(found) and again.data["speeds"] == found.data["speeds"]
     assert (tmp_path / "a" / "amplitude.png").is_file() and "decay" in repr(found) and "grow" in repr(found)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -76,6 +77,7 @@ def pages(
     point_run: Callable[..., Path],
     boundary_run: Callable[..., Path],
     sweep_run: Callable[..., Path],
+    amplitude_run: Callable[..., Path],
     made_up: Callable[..., March],
 ) -> dict[str, Path]:
     """A page of each kind, the point's with a film."""
@@ -86,10 +88,11 @@ def pages(
     crossings = {0.3: [(0.6, 0.01, "onset")]}
     swept = {v: made_up(V_f=v, growth=0.1 * (v - 0.6)) for v in (0.5, 0.55, 0.65)} | {0.7: None}
     found = {"point": folder, "boundary": boundary_run("b", crossings, marches), "sweep": sweep_run("s", swept)}
+    found["amplitude"] = amplitude_run("a", {0.5: lambda a: -0.01 - 0.001 * a, 0.7: lambda a: 0.01 - 0.01 * math.log(a)})
     return {kind: page.write(path) for kind, path in found.items()}
 
 
-@pytest.mark.parametrize("kind", ["point", "boundary", "sweep"])
+@pytest.mark.parametrize("kind", ["point", "boundary", "sweep", "amplitude"])
 @pytest.mark.parametrize(("width", "dark"), [(360, False), (360, True), (1280, False), (1280, True)])
 def test_nothing_is_cut_off_everything_can_be_read_and_nobody_complains(
     tab: Page, pages: dict[str, Path], kind: str, width: int, dark: bool

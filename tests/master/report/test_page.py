@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from html.parser import HTMLParser
@@ -121,6 +122,33 @@ def test_a_boundary_tells_every_crossing_and_every_march(
     choices = d.of("div", class_="choice")
     assert [c["data-number"] for c in choices] == ["0.3", "0.5", "0.7"]
     assert len(d.of("div", **{"data-along": "flutter speed index V_f [–]"})) == 1
+
+
+def test_limit_cycles_are_told_with_every_amplitude_and_where_the_numbers_come_from(amplitude_run: Callable[..., Path]) -> None:
+    folder = amplitude_run("a", {0.5: lambda a: -0.01 - 0.001 * a, 0.7: lambda a: 0.01 - 0.01 * math.log(a)})
+    d = document(page.write(folder))
+    closed_in_itself(d)
+    assert d.headings == [
+        "Limit cycles", "Over V_f and over amplitude", "Amplitudes and growth rates", "Cost",
+        "Settings that differ from the defaults", "Provenance",
+    ]  # fmt: skip
+    found = json.loads((folder / "result.json").read_text())["speeds"]
+    assert [len(row["cycles"]) for row in found] == [0, 1]
+    cycle = found[1]["cycles"][0]
+    assert cycle["stable"] and cycle["amplitude_deg"] == pytest.approx(math.e, rel=0.02)  # its rate passes zero there
+    assert f"{cycle['amplitude_deg']:.3f} ±" in d.text and "both" in d.text
+    assert "V_f 0.5: no limit cycle, motions of 0.1 to 9 deg decay" in d.text
+    assert [c["data-number"] for c in d.of("div", class_="choice")] == ["0.5", "0.7"]
+    titles = re.findall(r"<title>(V_f [^<]*)</title>", d.rawdata_kept)
+    assert any(t.startswith("V_f 0.7: stable") for t in titles)
+    assert {f"V_f {v:g}, {a:.3g} deg: growth rate {r:+.4g}" for v in (0.5, 0.7) for a in (0.1, 0.3, 1.0, 3.0, 9.0)
+            for r in [-0.01 - 0.001 * a if v == 0.5 else 0.01 - 0.01 * math.log(a)]} <= set(titles)  # fmt: skip
+    assert "b" * 64 in d.text
+
+
+def test_an_amplitude_without_any_envelope_is_said(amplitude_run: Callable[..., Path]) -> None:
+    d = document(page.write(amplitude_run("a", {0.5: lambda a: -0.01}, sizes=())))
+    assert "no march was long enough to read an envelope" in d.text and not d.of("svg", role="img")
 
 
 def test_a_sweep_tells_every_point_and_every_failure(sweep_run: Callable[..., Path], made_up: Callable[..., March]) -> None:
