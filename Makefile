@@ -7,7 +7,7 @@ WORKERS ?= 2
 STAMP := $(VENV)/.installed
 SOURCES := $(shell find fmus master -name '*.py' -o -name '*.csv' -o -name '*.md' -o -name '*.so' 2>/dev/null)
 
-.PHONY: flutter test fmus validate bench lint clean
+.PHONY: flutter test fmus validate bench lint docs clean
 flutter: dist/fmus/.built
 	$(RUN) point cases/isogai_a.toml --out runs/flutter_point
 	$(RUN) boundary cases/isogai_a.toml --out runs/flutter_boundary
@@ -26,6 +26,15 @@ fmus: dist/fmus/.built
 lint: $(STAMP)
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/mypy
+
+docs: dist/fmus/.built $(VENV)/.docs
+	$(PY) docs/site/stage.py build/site-source
+	$(PY) -m sphinx -W --keep-going -q -b html build/site-source build/site
+	@echo "build/site/index.html: opens in any browser, needs no network"
+
+$(VENV)/.docs: $(STAMP) requirements-docs.lock
+	$(PY) -m pip install --quiet --disable-pip-version-check -r requirements-docs.lock
+	@touch $@
 
 $(STAMP): pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit("aeroslosh needs Python 3.11 or newer; found %d.%d. Remedy: make PYTHON=/path/to/python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
