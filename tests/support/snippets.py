@@ -76,7 +76,7 @@ def same(wanted: str, line: str) -> bool:
     pattern = ""
     for piece in re.split(rf"({NUMBER}|…|\s+)", wanted.strip()):
         if re.fullmatch(NUMBER, piece or ""):
-            pattern += f"({NUMBER})"
+            pattern += rf"(?<![\d.])({NUMBER})(?!\d)"  # a … before it must not eat its first digits
         elif piece == "…":
             pattern += ".*"
         elif piece.isspace():
