@@ -15,7 +15,7 @@ flutter: dist/fmus/.built
 test: dist/fmus/.built
 	$(PY) -m pytest -q -n $(WORKERS) --dist loadfile
 
-validate: dist/fmus/.built
+validate: dist/fmus/.built $(VENV)/.docs
 	$(PY) -m pytest -m validation -s
 
 bench: dist/fmus/.built

@@ -4,22 +4,39 @@ and prints what the page shows. Slow ones: tests/validation/test_slow_snippets.p
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from support import pages
+from support import pages, warm_command
 from support.snippets import UnmarkedBlock, blocks, missing, same
 
 # blocks that nobody runs, and those that only `make validate` does; a new one is entered here
-SKIPPED: dict[str, int] = {}
-SLOW: dict[str, int] = {}
+SKIPPED = {"README.md": 1}
+SLOW = {
+    "README.md": 1,
+    "docs/python.md": 1,
+    "docs/tutorials/1-first-flutter-point.md": 1,
+    "docs/tutorials/4-train-my-surrogate.md": 2,
+    "docs/tutorials/5-laptop-to-cluster.md": 3,
+    "docs/howto/add-baffles.md": 1,
+    "docs/howto/find-limit-cycles.md": 1,
+    "docs/howto/start-a-program-on-fmus.md": 1,
+    "docs/howto/use-a-coordinate-file.md": 1,
+}
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with the command, its imports done once."""
+    with warm_command.served(tmp_path_factory.mktemp("warm")) as programs:
+        yield programs
 
 
 @pytest.mark.parametrize("page", pages.RUN)
-def test_a_page_runs_and_prints_what_it_shows(page: str, fmu: Callable[[str], Path], tmp_path: Path) -> None:
-    pages.run(page, tmp_path, fmu, slow=False)
+def test_a_page_runs_and_prints_what_it_shows(page: str, fmu: Callable[[str], Path], warm: Path, tmp_path: Path) -> None:
+    pages.run(page, tmp_path, fmu, warm)
 
 
 def test_blocks_that_are_not_run_are_counted() -> None:
@@ -47,7 +64,9 @@ def test_a_new_block_without_a_mark_is_refused(text: str, tmp_path: Path) -> Non
         blocks(tmp_path / "page.md", "page")
 
 
-def test_a_page_fails_where_a_command_fails_or_prints_something_else(fmu: Callable[[str], Path], tmp_path: Path) -> None:
+def test_a_page_fails_where_a_command_fails_or_prints_something_else(
+    fmu: Callable[[str], Path], warm: Path, tmp_path: Path
+) -> None:
     for n, (text, said) in enumerate(
         [
             ("```sh\nfalse\necho on\n```\n", "ended badly"),
@@ -60,16 +79,19 @@ def test_a_page_fails_where_a_command_fails_or_prints_something_else(fmu: Callab
         page = tmp_path / f"{n}.md"
         page.write_text(text)
         with pytest.raises(AssertionError, match=said):
-            pages.run(str(page), tmp_path / f"f{n}", fmu, slow=False)
+            pages.run(str(page), tmp_path / f"f{n}", fmu, warm)
 
 
-def test_python_blocks_share_their_names_and_see_files_of_commands(fmu: Callable[[str], Path], tmp_path: Path) -> None:
+def test_python_blocks_share_their_names_and_see_files_of_commands(
+    fmu: Callable[[str], Path], warm: Path, tmp_path: Path
+) -> None:
     page = tmp_path / "page.md"
     page.write_text(
-        "```python\na = 2\n```\n```sh\necho 3 > b\n```\n```python\nprint('sum', a + int(open('b').read()))\n```\n```text\nsum 5\n```\n"
+        "```python\na = 2\n```\n```sh\necho 3 > b\n```\n"
+        "```python\nprint('sum', a + int(open('b').read()))\n```\n```text\nsum 5\n```\n"
         "```sh\nls dist/fmus\n```\n```text\naero.fmu\nslosh_vof.fmu\n```\n"
     )
-    pages.run(str(page), tmp_path / "f", fmu, slow=False)
+    pages.run(str(page), tmp_path / "f", fmu, warm)
 
 
 @pytest.mark.parametrize(

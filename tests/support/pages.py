@@ -22,8 +22,10 @@ RUN = [
 ]
 
 
-def run(page: str, folder: Path, fmu: Callable[[str], Path], slow: bool) -> None:
-    """Run the blocks of a page in `folder`, whose dist/fmus holds the FMUs; slow ones too where `slow`."""
+def run(page: str, folder: Path, fmu: Callable[[str], Path], programs: Path | None = None, slow: bool = False) -> None:
+    """Run the blocks of a page in `folder`, whose dist/fmus holds the FMUs; slow ones too where `slow`.
+
+    programs: a folder to be first on the path (`warm_command.served`)"""
     work = folder / "work"
     (work / "dist" / "fmus").mkdir(parents=True)
     for name in FMUS:
@@ -31,7 +33,8 @@ def run(page: str, folder: Path, fmu: Callable[[str], Path], slow: bool) -> None
     found = [b for b in blocks(ROOT / page, page) if b.kind != "skip" and (slow or not b.slow)]
     steps, results = folder / "steps.json", folder / "results.json"
     steps.write_text(json.dumps([{"kind": b.kind, "text": b.text, "place": b.place, "name": b.name} for b in found]))
-    bin_folder = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    first = [] if programs is None else [str(programs)]
+    bin_folder = os.pathsep.join([*first, str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     environment = supported(AEROSLOSH_FMUS=str(work / "dist" / "fmus"), PATH=bin_folder, MPLBACKEND="Agg")
     words = [sys.executable, "-m", "support.run_page", str(steps), str(results)]
     done = subprocess.run(words, cwd=work, env=environment, capture_output=True, text=True, timeout=3600)
