@@ -1,6 +1,6 @@
 """What the site is made of, without Sphinx: links that lead somewhere, a reference that has every key, name, variable and code.
 
-The site itself is built by tests/validation/test_slow_snippets.py and by `make docs`: Sphinx is no part of the test environment."""
+The site itself is built by tests/validation/test_slow_snippets.py and `make docs`: Sphinx is no part of the test environment."""
 
 from __future__ import annotations
 
