@@ -50,6 +50,7 @@ TANK = {
     "liquid_density": 840.0, "liquid_viscosity": 4e-6,  # diesel
 }  # fmt: skip
 VOF = {"cells_x": 120, "cells_y": 36, "max_step": 0.01}
+STYLES = {"frozen cargo": ("#1B2733", "--"), "linear waves": ("#D55E00", ":"), "two-phase flow": ("#0072B2", "-")}
 QUICK = {"cells_x": 48, "cells_y": 16, "max_step": 0.01}  # for a first look
 SLOSH_INPUTS = ("x", "x_dot", "x_ddot")
 SLOSH_OUTPUTS = ("force_x", "force_y", "moment", "force_x_residual", "wave_height_west")
@@ -202,16 +203,19 @@ def draw(runs: dict[str, dict[str, np.ndarray]], target: Path) -> None:
               ("speed", 1.0, "speed [m/s]"))  # fmt: skip
     for axis, (name, factor, label) in zip(axes.flat, panels, strict=True):
         for title, run in runs.items():
-            style = {"frozen cargo": "k--", "linear waves": "C1-"}.get(title, "C0-" if title == "two-phase flow" else "C2-")
-            axis.plot(run["time"], factor * run[name], style, lw=1.3, label=title)
+            # colours that people tell apart whatever their colour vision (Okabe and Ito), dashes say it a second time
+            colour, dash = STYLES.get(title, ("#56B4E9", "-."))
+            axis.plot(run["time"], factor * run[name], dash, color=colour, lw=1.3, label=title)
         axis.set_ylabel(label)
-        axis.grid(alpha=0.3)
+        axis.grid(alpha=0.25)
+        axis.spines[["top", "right"]].set_visible(False)
     axes[0, 0].set_ylim(0, 1.1e-3 * max(run["front"].max() for run in runs.values()))
-    axes[0, 0].legend(fontsize=8)
+    signs, titles = axes[0, 0].get_legend_handles_labels()
+    figure.legend(signs, titles, loc="outside lower center", ncols=4, frameon=False)
     for axis in axes[1]:
         axis.set_xlabel("time [s]")
-    figure.suptitle(f"A tanker brakes from {SPEED:g} m/s with {GRIP:g} g, tank half full")
-    figure.savefig(target, dpi=110)
+    figure.suptitle(f"A road tanker brakes from {SPEED:g} m/s with {GRIP:g} g, tank half full")
+    figure.savefig(target, dpi=150)
     pyplot.close(figure)
 
 
@@ -224,7 +228,7 @@ def draw_film(folders: dict[str, Path], cells: dict[str, Any], target: Path) -> 
             draw_tank(axes[row, column], folder / f"fields_{round(time / STEP):06d}.vts", cells)
             axes[row, column].set_ylabel(f"{time:g} s")
         axes[0, column].set_title(f"{title} (front on the left)", fontsize=10)
-    figure.savefig(target, dpi=100)
+    figure.savefig(target, dpi=120)
     pyplot.close(figure)
 
 

@@ -1,8 +1,8 @@
 """What coupling schemes do to a section with liquid: artificial damping, stability limits, observed orders.
 
-`python -m studies.coupling_study [--fmus DIR] [--csv FILE] [--picture FILE]` marches structure and slosh_ems FMU through the
-master, without air, and compares with the continuous system. Two motions: plunge with a full tank, whose liquid is a rigid mass
-(nothing may damp it), and pitch with a half-full tank above its waves' frequencies. mu is the frozen liquid's mass (inertia) over
+`python -m studies.coupling_study [--fmus DIR] [--csv FILE] [--picture FILE [--draw-again]]` marches structure and slosh_ems FMU
+through the master, without air, and compares with the continuous system. Two motions: plunge with a full tank, whose liquid is a
+rigid mass (nothing may damp it), and pitch with a half-full tank above its waves' frequencies. mu is the frozen liquid's mass (inertia) over
 the section's.
 
 Theory: a load that arrives as f times the true one leaves D_structure(s) + f(s dt) D_liquid(s) = 0 for motions e^{st}: f = 1 is
@@ -19,6 +19,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import newton
@@ -231,7 +232,11 @@ def main() -> None:
     command.add_argument("--fmus", type=Path, default=ROOT / "dist" / "fmus")
     command.add_argument("--csv", type=Path, default=ROOT / "docs" / "data" / "coupling.csv")
     command.add_argument("--picture", type=Path)
+    command.add_argument("--draw-again", action="store_true", help="only the picture, from the data that --csv holds")
     options = command.parse_args()
+    if options.draw_again:
+        draw(read(options.csv), options.picture)
+        return
     rows = []
     for motion in ("plunge", "pitch"):
         for way in WAYS:
@@ -247,6 +252,18 @@ def main() -> None:
     report(rows, options.fmus)
     if options.picture:
         draw(rows, options.picture)
+
+
+def read(path: Path) -> list[Row]:
+    """The rows that an earlier study wrote."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        return [
+            Row(**{name: TYPES[str(kind.type)](told[name]) for name, kind in Row.__dataclass_fields__.items()})
+            for told in csv.DictReader(stream)
+        ]
+
+
+TYPES: dict[str, Callable[[str], Any]] = {"str": str, "int": int, "float": float}
 
 
 def report(rows: list[Row], fmus: Path) -> None:
@@ -280,33 +297,34 @@ def _word(damping: float) -> str:
 
 def draw(rows: list[Row], path: Path) -> None:
     """Damping over step at one mass ratio, and over mass ratio at 100 steps, for both motions."""
-    import matplotlib
+    from aeroslosh.master.pictures import canvas, look
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(2, 2, figsize=(10, 8), layout="constrained", sharey=True)
-    for pair, motion in zip(axes, ("plunge", "pitch"), strict=True):
-        for i, way in enumerate(WAYS):
-            color = f"C{i}"
-            mine = [r for r in rows if r.scheme == way.name and r.motion == motion and not math.isnan(r.damping)]
-            for axis, chosen, x in (
-                (pair[0], [r for r in mine if r.mass_ratio == 0.3], [r.steps for r in mine if r.mass_ratio == 0.3]),
-                (pair[1], [r for r in mine if r.steps == 100], [r.mass_ratio for r in mine if r.steps == 100]),
-            ):
-                axis.loglog(x, [max(abs(r.damping), FLOOR) for r in chosen], "o", color=color, mfc="none", ms=5, label=way.name)
-                axis.loglog(x, [max(abs(r.damping_theory), FLOOR) for r in chosen], "-", color=color, lw=0.9)
-        pair[0].set(title=f"{motion}, μ = 0.3", xlabel="steps a period", ylabel="|artificial damping ratio|")
-        pair[1].set(title=f"{motion}, 100 steps a period", xlabel="mass ratio μ")
-        pair[0].set_xticks(STEPS, [str(n) for n in STEPS])
-        pair[0].minorticks_off()
-        for axis in pair:
-            axis.axhline(5e-4, color="0.6", lw=0.8, ls="--")
-            axis.set_ylim(0.4 * FLOOR, 1.0)
-            axis.grid(alpha=0.3)
-    axes[0, 1].legend(fontsize=8, loc="center right")
-    figure.suptitle("Artificial damping: marched (circles), theory (lines); missing: unstable; at the bottom: none", fontsize=11)
-    figure.savefig(path, dpi=110)
+    colours = (look.BLUE, look.ORANGE, look.PURPLE, look.SKY, look.GREY, look.INK, look.ORANGE)
+    with canvas.rc_context(look.STYLE):
+        figure, axes = canvas.subplots(2, 2, figsize=(10, 8), layout="constrained", sharey=True)
+        for pair, motion in zip(axes, ("plunge", "pitch"), strict=True):
+            for way, colour, mark in zip(WAYS, colours, "os^Dv+x", strict=True):
+                mine = [r for r in rows if r.scheme == way.name and r.motion == motion and not math.isnan(r.damping)]
+                for axis, chosen, x in (
+                    (pair[0], [r for r in mine if r.mass_ratio == 0.3], [r.steps for r in mine if r.mass_ratio == 0.3]),
+                    (pair[1], [r for r in mine if r.steps == 100], [r.mass_ratio for r in mine if r.steps == 100]),
+                ):
+                    marched, theory = ([max(abs(v), FLOOR) for v in values] for values in
+                                       ([r.damping for r in chosen], [r.damping_theory for r in chosen]))  # fmt: skip
+                    axis.loglog(x, marched, mark, color=colour, mfc="none", ms=5, ls="", label=way.name)
+                    axis.loglog(x, theory, "-", color=colour, lw=0.9)
+            pair[0].set(title=f"{motion}, mass ratio 0.3", xlabel="steps a period [–]", ylabel="|artificial damping ratio| [–]")
+            pair[1].set(title=f"{motion}, 100 steps a period", xlabel="mass ratio of liquid and section [–]")
+            pair[0].set_xticks(STEPS, [str(n) for n in STEPS])
+            pair[0].minorticks_off()
+            for axis in pair:
+                axis.axhline(5e-4, color=look.GREY, lw=0.8, ls="--")
+                axis.set_ylim(0.4 * FLOOR, 1.0)
+        canvas.legend(figure, *axes.flat, columns=4)
+        figure.suptitle(
+            "Artificial damping: marched (marks), theory (lines); missing: unstable; at the bottom: none", fontsize=11
+        )
+        figure.savefig(path)
     print(f"picture: {path}")
 
 

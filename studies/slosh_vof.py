@@ -56,32 +56,34 @@ def main() -> None:
 
 def draw(results: dict[str, tuple[Array, Array, Array, dict[float, tuple[float, Array]]]], path: Path) -> None:
     """Series on top, snapshots of C06 below, turned with the tank."""
-    import matplotlib
+    from matplotlib.figure import Figure
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    from aeroslosh.master.pictures import canvas, look, tank_film
 
-    figure = plt.figure(figsize=(11, 7.5), layout="constrained")
-    grid = figure.add_gridspec(3, 4, height_ratios=(1, 1, 0.75))
-    for row, (name, (times, mine, theirs, _)) in enumerate(results.items()):
-        for column, (index, label) in enumerate(((0, "force aft [N/m]"), (2, "moment, anticlockwise [N]"))):
-            axes = figure.add_subplot(grid[row, 2 * column : 2 * column + 2])
-            axes.plot(times, theirs[:, index], "0.6", lw=2.5, label="interFoam")
-            axes.plot(times, mine[:, index], "C0", lw=1, label="slosh_vof")
-            axes.set(ylabel=label, xlabel="time [s]", title=f"case {name}")
-            axes.grid(alpha=0.3)
-    axes.legend(loc="upper left")
-    x = np.linspace(-0.5, 0.5, CELLS[0] + 1) * TANK.length
-    y = np.linspace(-0.5, 0.5, CELLS[1] + 1) * TANK.height
-    for column, (t, (alpha, shares)) in enumerate(results["C06"][3].items()):
-        axes = figure.add_subplot(grid[2, column])
-        px = x[None, :] * np.cos(alpha) + y[:, None] * np.sin(alpha)
-        py = -x[None, :] * np.sin(alpha) + y[:, None] * np.cos(alpha)
-        axes.pcolormesh(px, py, shares, cmap="Blues", vmin=0.0, vmax=1.2, rasterized=True)
-        axes.set(aspect="equal", title=f"C06, {t:g} s", xticks=[], yticks=[])
-        for side in axes.spines.values():
-            side.set_visible(False)
-    figure.savefig(path, dpi=120)
+    with canvas.rc_context(look.STYLE):
+        figure = Figure(figsize=(11, 8), layout="constrained")
+        grid = figure.add_gridspec(3, 4, height_ratios=(1, 1, 0.75))
+        drawn = []
+        for row, (name, (times, mine, theirs, _)) in enumerate(results.items()):
+            for column, (index, label) in enumerate(((0, "force aft [N/m]"), (2, "moment, anticlockwise [N]"))):
+                axes = figure.add_subplot(grid[row, 2 * column : 2 * column + 2])
+                axes.plot(times, theirs[:, index], color=look.ORANGE, lw=3.0, alpha=0.5, label="interFoam")
+                axes.plot(times, mine[:, index], color=look.BLUE, lw=1.1, label="slosh_vof")
+                axes.set(ylabel=label, xlabel="time [s]", title=f"case {name}")
+                drawn.append(axes)
+        canvas.legend(figure, *drawn)
+        x = np.linspace(-0.5, 0.5, CELLS[0] + 1) * TANK.length
+        y = np.linspace(-0.5, 0.5, CELLS[1] + 1) * TANK.height
+        for column, (t, (alpha, shares)) in enumerate(results["C06"][3].items()):
+            axes = figure.add_subplot(grid[2, column])
+            px = x[None, :] * np.cos(alpha) + y[:, None] * np.sin(alpha)
+            py = -x[None, :] * np.sin(alpha) + y[:, None] * np.cos(alpha)
+            axes.pcolormesh(px, py, shares, cmap=tank_film.LIQUID, vmin=0.0, vmax=1.0, rasterized=True)
+            axes.set(aspect="equal", title=f"C06, {t:g} s", xticks=[], yticks=[])
+            axes.grid(False)
+            for side in axes.spines.values():
+                side.set_visible(False)
+        figure.savefig(path)
     print(f"picture: {path}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import typing
+from collections.abc import Mapping
 from typing import Any
 
 from aeroslosh.master.base import settings, toml_text
@@ -27,7 +28,8 @@ def pages() -> dict[str, str]:
 def case() -> str:
     """Every table of a case."""
     parts = [INTRODUCTION]
-    must = {key for keys in checks.REQUIRED.values() for key in keys} | set(checks.TANK) | set(checks.MOVING)
+    must = dict.fromkeys((*checks.TANK, *checks.MOVING), "must be given with a liquid")
+    must |= dict.fromkeys((key for keys in checks.REQUIRED.values() for key in keys), "must be given")
     for name, kind in template.TABLES.items():
         parts.append(table(name, kind, must))
     return "\n".join(parts)
@@ -38,22 +40,22 @@ def files() -> str:
     parts = ["# Keys of training and system files\n\nMade from their data classes.\n", "## Training file (`aeroslosh train`)\n"]
     parts.append("Beside `[slosh]` as in a case ([keys](case-keys.md#slosh)):\n")
     own = {name: kind for name, kind in training_case.TABLES.items() if name != "slosh"}
-    parts += [table(name, kind, set(), "###") for name, kind in own.items()]
+    parts += [table(name, kind, {}, "###") for name, kind in own.items()]
     parts.append("## System file (`aeroslosh run`)\n\nBeside `[coupling]` as in a case ([keys](case-keys.md#coupling)):\n")
     tables = {"components.NAME": system_file.Part, "system": system_file.Wiring, "run": system_file.Run}
-    parts += [table(name, kind, set(), "###") for name, kind in tables.items()]
+    parts += [table(name, kind, {}, "###") for name, kind in tables.items()]
     return "\n".join(parts)
 
 
-def table(name: str, kind: Any, must: set[str], level: str = "##") -> str:
-    """A data class as a section; must: "table.key" of the keys without a usual value."""
+def table(name: str, kind: Any, must: Mapping[str, str], level: str = "##") -> str:
+    """A data class as a section; must: "table.key" of the keys without a usual value → when."""
     hints, content = typing.get_type_hints(kind), kind()
     rows = [row(f"{name}.{f.name}", f, hints[f.name], getattr(content, f.name), must) for f in dataclasses.fields(kind)]
     about = " ".join((kind.__doc__ or "").split())
     return f"{level} {name}\n\n{cell(about)}\n\n{HEAD}" + "\n".join(rows) + "\n"
 
 
-def row(key: str, field: dataclasses.Field[Any], hint: Any, default: Any, must: set[str]) -> str:
+def row(key: str, field: dataclasses.Field[Any], hint: Any, default: Any, must: Mapping[str, str]) -> str:
     """A key with default, type and range, unit, meaning."""
     rule = field.metadata
     unit = "" if rule["unit"] == "1" else rule["unit"]
@@ -61,7 +63,7 @@ def row(key: str, field: dataclasses.Field[Any], hint: Any, default: Any, must: 
     meaning = rule["doc"]
     if forms := by_value.ALTERNATIVES.get(key, ()):
         meaning += f"; or by value: {', '.join(forms)}"
-    said = "must be given" if key in must else "none" if default is None else f"`{toml_text.literal(default)}`"
+    said = must[key] if key in must else "none" if default is None else f"`{toml_text.literal(default)}`"
     named = f"**`{field.name}`**" if key in must else f"`{field.name}`"
     return f"| {named} | {said} | {cell(value)} | {unit} | {cell(meaning)} |"
 
