@@ -2,8 +2,8 @@
 
 `python -m studies.coupling_study [--fmus DIR] [--csv FILE] [--picture FILE [--draw-again]]` marches structure and slosh_ems FMU
 through the master, without air, and compares with the continuous system. Two motions: plunge with a full tank, whose liquid is a
-rigid mass (nothing may damp it), and pitch with a half-full tank above its waves' frequencies. mu is the frozen liquid's mass (inertia) over
-the section's.
+rigid mass (nothing may damp it), and pitch with a half-full tank above its waves' frequencies. mu is the frozen liquid's mass
+(inertia) over the section's.
 
 Theory: a load that arrives as f times the true one leaves D_structure(s) + f(s dt) D_liquid(s) = 0 for motions e^{st}: f = 1 is
 exact, e^{-s dt} a step late, 2 e^{-s dt} − e^{-2 s dt} extrapolated linearly. To first order a whole load of effective ratio eps
