@@ -59,6 +59,16 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in slugs(other.read_text(encoding="utf-8")), f"{target}#{anchor}"
 
 
+def test_the_readme_is_one_page_and_names_what_there_is() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 90 and len(text) < 8000
+    table = text.partition("| command | does |")[2].partition("\n\n")[0]
+    named = {word for row in table.splitlines()[2:] for word in re.findall(r"`(\w+)`", row.split("|")[1])}
+    assert named <= set(HELP) and len(named) > 12
+    assert {"docs/tutorials/1-first-flutter-point.md", "docs/cases.md"} <= set(re.findall(r"\]\(([^)#]+)", text))
+    assert all(f"| `{name}` |" in text for name in FMUS)
+
+
 def test_every_page_of_the_documentation_has_a_shelf() -> None:
     """New pages beside today's are taken up by themselves; the shelves name no page that is not there."""
     shelved = set()
