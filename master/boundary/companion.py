@@ -2,8 +2,9 @@
 
 Mesh, step and outer boundary are coarsened together by the same factor, so that what they change is one error that falls with
 it; a second coarse model swept by half the amplitude tells what the amplitude changes. At a crossing's V_f the eigenvalue of its
-mode is compared, not the V_f of two crossings: a model that has the crossing elsewhere, or not at all, tells as much. Together
-they cost about four tenths of that model. `boundary.uncertainty` replaces them by marches (module `uncertainty`).
+mode is compared, not the V_f of two crossings: a model that has the crossing elsewhere, or not at all, tells as much. All
+three have the same poles: fits that each find their own differ by that too, as much as by the mesh. Together the two cost about
+four tenths of the model. `boundary.uncertainty` replaces them by marches (module `uncertainty`).
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def identify(
     try:
         with open_setup(rough, model.mach) as setup:
             coarse, half = (
-                linear_model.identify(setup, amplitude, step=COARSER * linear_model.STEP, doubted=False)
+                linear_model.identify(setup, amplitude, step=COARSER * linear_model.STEP, beside=model)
                 for amplitude in (model.amplitude_deg, 0.5 * model.amplitude_deg)
             )
     except AeroSloshError as error:

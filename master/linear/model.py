@@ -184,13 +184,13 @@ def identify(
     amplitude_deg: float,
     say: Callable[[str], None] = lambda text: None,
     step: float = STEP,
-    doubted: bool = True,
+    beside: LinearModel | None = None,
 ) -> LinearModel:
     """The linear model of the aero FMU of `setup`, from its saved steady flow, by motions of `amplitude_deg`.
 
-    `step`: in half chords of travel; `doubted`: whether the model is to tell its own uncertainty, by a motion that is not fitted,
-    a smaller model and steady slopes from the other side, for half as much again. Raises ComponentError when the FMU fails,
-    AeroSloshError when it lacks a variable or answers with no number."""
+    `step`: in half chords of travel. One `beside` another model takes its poles and does not tell an uncertainty of its own (a
+    motion that is not fitted, a smaller model, steady slopes from the other side: half as much again). Raises ComponentError
+    when the FMU fails, AeroSloshError when it lacks a variable or answers with no number."""
     begin = clock.perf_counter(), clock.process_time()
     check_interface(setup.aero)
     s = scales(setup.case, setup.mach, setup.case.flutter.V_f)  # speed and chord: V_f does not matter
@@ -201,16 +201,19 @@ def identify(
         say(f"  sweep in {name}, {amplitude_deg:g} degrees")
         records.append(drive(setup.aero, setup.steady, s, curves, step, SWEEP + REST))
     unseen = []
-    if doubted:
+    if beside is None:
         say("  another motion, to check")
         both = chirp(size, 0.0, CHECK, (0.05, 0.4), 0.3), chirp(size, 0.0, CHECK, (0.08, 0.6), 1.3)
         unseen.append(drive(setup.aero, setup.steady, s, both, step, CHECK))
     slopes = setup.slopes()
     steady = np.array([slopes.C_L, slopes.C_M]) if slopes is not None else None
-    aero = rational_fit.fit(records, ORDER, SLOWEST, FASTEST, steady)
-    smaller = rational_fit.fit(records, ORDER - 2, SLOWEST, FASTEST, steady) if doubted else aero
+    if beside is None:
+        aero = rational_fit.fit(records, ORDER, SLOWEST, FASTEST, steady)
+        smaller = rational_fit.fit(records, ORDER - 2, SLOWEST, FASTEST, steady)
+    else:
+        aero = smaller = rational_fit.with_poles(records, beside.aero.poles, steady)
     fit_error = np.max([aero.error(r) for r in records], axis=0)
-    check_error = aero.error(unseen[0]) if doubted else np.full(2, math.nan)
+    check_error = aero.error(unseen[0]) if unseen else np.full(2, math.nan)
     return LinearModel(
         setup.case,
         setup.mach,
@@ -225,7 +228,7 @@ def identify(
         _note(check_error),
         setup.tank.liquid if setup.tank else None,
         slopes,
-        setup.other_slopes() if doubted else None,
+        setup.other_slopes() if beside is None else None,
         setup.tank.static_stiffness if setup.tank else 0.0,
     )
 

@@ -126,12 +126,23 @@ def fit(records: Sequence[Record], order: int, slowest: float, fastest: float, s
 
     Each record moves one input alone, or both; together they must move both. Loads are weighed by their rms in all records.
     `steady` (2,), where it is known: C_L and C_M over a steady angle of attack [1/rad], which no sweep reaches."""
-    weight = 1.0 / np.sqrt(np.mean([np.mean(r.loads**2, axis=1) for r in records], axis=0))
+    weight = _weight(records)
     poles = _first_poles(order, slowest, fastest)
     for _ in range(ROUNDS):
         poles = _relocated(records, poles, weight, slowest)
     poles = _refined(records, poles, weight, slowest, steady)
     return _solve(records, poles, weight, steady)[0]
+
+
+def with_poles(records: Sequence[Record], poles: np.ndarray, steady: np.ndarray | None = None) -> Rational:
+    """The model with these `poles` that fits `records` best; the rest as for `fit`. Linear in the loads: it differs from another
+    model of the same poles by what the loads differ by, not by where two fits came to rest."""
+    return _solve(records, poles, _weight(records), steady)[0]
+
+
+def _weight(records: Sequence[Record]) -> np.ndarray:
+    """One over the rms of each load in all records. Shape: (2,)."""
+    return 1.0 / np.sqrt(np.mean([np.mean(r.loads**2, axis=1) for r in records], axis=0))
 
 
 def _first_poles(order: int, slowest: float, fastest: float) -> np.ndarray:
