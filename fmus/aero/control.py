@@ -46,7 +46,7 @@ class Settings:
     max_subiterations: int = 60
     cfl: float = 25.0
     steady_tolerance: float = 3e-7
-    steady_iterations: int = 3000
+    steady_iterations: int = 8000
     steady_cfl: float = 20.0
     steady_step: float = 1.0
     steady_least_cfl: float = 1.0

@@ -74,15 +74,16 @@ class Confirm:
         expected = model.crossings(low, high)
         for c in expected:
             self.say(f"  linear: {c.name} at V_f = {plus_minus(c.V_f, c.uncertainty, 4)}, frequency {c.frequency:.4f}")
-        beside = None
-        if b.companion and expected and not (self.marching and (b.uncertainty or b.richardson)):
-            beside = companions.identify(self.open_setup, model, self.say)
+        asked = b.companion and bool(expected) and not (self.marching and (b.uncertainty or b.richardson))
+        beside = companions.identify(self.open_setup, model, self.say) if asked else None
         if not self.marching:
             point = _unmarched(mach, model, expected, low, high, beside)
         elif expected:
             point = self._confirmed(marcher, mach, model, expected, beside)
         else:
             point = self._none_expected(marcher, mach, model)
+        if asked and beside is None:
+            point.crossings[:] = [dataclasses.replace(c, missing=c.missing + coarse_marches.PARTS) for c in point.crossings]
         point.divergence = self._divergence(mach)
         point.wall = clock.perf_counter() - begin
         return point

@@ -69,3 +69,11 @@ def test_a_boundary_carries_them_unless_told_not_to(flutter_fmus: Path) -> None:
     assert set(without["uncertainty_parts"]) == {"model"}
     assert with_parts["V_f"] == without["V_f"]
     assert abs(with_parts["uncertainty_parts"]["amplitude"]) < 1e-6  # the double is linear
+
+
+def test_parts_that_were_asked_for_and_not_had_are_named(flutter_fmus: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A coarse mesh without a steady flow leaves the fit's error bar, which must not pass for the whole."""
+    monkeypatch.setattr(companion, "identify", lambda *words: None)
+    case = ae.Case.isogai_a().replace(boundary={"V_f_range": [1.0, 4.0]})
+    [crossing] = ae.boundary(case, mach=[0.3], method="linear", fmus=flutter_fmus, workers=1).data["points"][0]["crossings"]
+    assert crossing["uncertainty_missing"] == list(companion.PARTS)
