@@ -35,7 +35,7 @@ MAY = {
     "hosts": "base fmi pictures",
     "training": "base fmi case",
     "api": "base fmi cosim case analysis flutter boundary results pictures report sweeps",
-    "paper": "base fmi case pictures training api",
+    "paper": "base fmi case results pictures training api",
     "commands": "base fmi cosim case analysis flutter boundary results pictures sweeps ssp hosts training api paper",
     "cli": "base commands",
 }

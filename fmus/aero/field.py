@@ -53,7 +53,7 @@ def update(q: Any, x: Any) -> float:
             u[i] += factor * b[i]
             v[i] += factor * d[i]
             e[i] += factor * f[i]
-    if not heavy < 1e6:
+    if not heavy < 1e6:  # a thousandfold change of a cell, or NaN
         return np.nan
     return float(np.sqrt(total / (ni * nj)))
 

@@ -9,7 +9,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 from ..base.errors import AeroSloshError, ComponentError
-from ..case import airfoils, checks, fmu_parameters, fuel_tank
+from ..case import aero_parameters, airfoils, checks, fmu_parameters, fuel_tank
 from ..case.case import Case
 from ..case.scales import Scales, scales
 from ..cosim.assemble import assemble
@@ -200,7 +200,7 @@ class FlutterSetup:
     def _find_slopes(self, step: float) -> SteadySlopes | None:
         other = Component(self._fmus["aero"], "aero")
         try:
-            other.set_all(self._aero_parameters(tilted(self.case, step)))
+            other.set_all(aero_parameters.parameters(tilted(self.case, step), self.mach, self.aero.variables))
             other.initialize()
             if "converged" in other.variables and not other.get("converged"):
                 return None
@@ -214,27 +214,10 @@ class FlutterSetup:
             self.steady_cpu += other.cpu
             other.close()
 
-    def _aero_parameters(self, case: Case) -> dict[str, float | int | str]:
-        """Parameters of the aero FMU, without a folder for fields."""
-        values: dict[str, float | int | str] = {
-            "mach": self.mach,
-            "mean_alpha": math.radians(case.flow.mean_alpha_deg),
-            "chord": case.section.chord,
-            "elastic_axis": case.section.elastic_axis,
-            "static_pressure": case.flow.static_pressure,
-            "static_temperature": case.flow.static_temperature,
-            "airfoil": case.flow.airfoil,
-            "cells_around": case.aero.cells_around,
-            "cells_normal": case.aero.cells_normal,
-            "farfield_chords": case.aero.farfield_chords,
-        }
-        given = {name: getattr(case.aero, name) for name in ("tolerance", "max_subiterations")}
-        values |= {name: value for name, value in given.items() if value != "auto"}
-        return values | fmu_parameters.values(case.aero.parameters, self.aero.variables)
-
     def _solve_steady(self, field_folder: Path | None, section_file: Path | None) -> None:
         """Parameters of the aero FMU, its steady solution (in its initialisation), and the saved state."""
-        aero, values = self.aero, self._aero_parameters(self.case)
+        aero = self.aero
+        values = aero_parameters.parameters(self.case, self.mach, aero.variables)
         if field_folder is not None:
             values["field_folder"] = str(field_folder)
         if section_file is not None and "section_file" in aero.variables:

@@ -34,8 +34,8 @@ def make(work: Work) -> Outcome:
     p = order(coarse, middle, fine, ratio)
     found = index(middle, fine, ratio, p)
     remarks = [
-        f"order {p:.2f} on nested meshes; C_L on {cells[1]:,} cells is {abs(middle / fine - 1):.3%} off {cells[2]:,} cells, and "
-        f"the index there {found:.3%}",
+        f"order {p:.2f} on nested meshes; C_L on {cells[1]:,} cells is {abs(middle / fine - 1):.3%} off {cells[2]:,} cells, "
+        f"and the index there {found:.3%}",
         "the paper's refinement ratio of 1.5 is 1.41 by its numbers of elements (the root of 8,100/4,000 and of 16,000/8,100)",
     ]
     conditions = [

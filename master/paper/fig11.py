@@ -46,8 +46,8 @@ def make(work: Work) -> Outcome:
     if size is not None:
         remarks.append(f"(c) grows from 1° and saturates in a limit cycle of {size:.2f}° in pitch after the paper's five cycles")
     conditions = [
-        f"Isogai A ratios (the figures are of these, not of the parameters that the text lists: see `listed`), "
-        f"{CYCLES:g} free cycles, {LONG:g} in (c) to see where the growth ends",
+        f"Isogai A ratios (the figures are of these, not of the parameters that the text lists: see `listed`), {CYCLES:g} free "
+        f"cycles, {LONG:g} in (c) to see where the growth ends",
         f"neutral to the eye: the pitch amplitude changes by at most {NEUTRAL:g} % within five free cycles",
     ]
     rows = [

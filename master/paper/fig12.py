@@ -36,11 +36,11 @@ def make(work: Work) -> Outcome:
         if c["kind"] == "flutter"
     ]
     conditions = [
-        "Isogai A ratios (the figure's), Euler flow; linear model of the air and two to three marches a crossing, error "
-        "bars of fit, "
-        "mesh, outer boundary and amplitude; the paper does not list its Mach numbers: 0.80 of its text and those of Fig. 11",
-        f"a V_f that the paper calls neutral counts as good to {SHARE:.0%}: it steps V_f until a motion of five cycles "
-        f"looks neutral",
+        "Isogai A ratios (the figure's), Euler flow; linear model of the air and two to three marches a crossing, error bars "
+        "of fit, mesh, outer boundary and amplitude; the paper does not list its Mach numbers: 0.80 of its text and those of "
+        "Fig. 11",
+        f"a V_f that the paper calls neutral counts as good to {SHARE:.0%}: it steps V_f until a motion of five cycles looks "
+        "neutral",
     ]
     remarks = ["above an onset lie a recovery and a second onset from Mach 0.85 on, which the paper does not look for"]
     header = ("Mach", "direction", "V_f", "V_f standard deviation", "frequency [omega_alpha]")

@@ -47,10 +47,10 @@ def make(work: Work) -> Outcome:
     claims = [judged(rows, side) for side in (0, 1)]
     conditions = [
         "our own records of the two-phase tank (slosh_vof, 100 x 30 cells), excitation and amplitudes as in fig14; wall "
-        "forces of "
-        f"samples 901 to 1000, mean of three seeds; {CENTRES} Gaussians of one spread, rms error over standard deviation (NRMSE)",
-        f"judged: one step ahead in pitch, as the paper's; a delay within {100 * (FLAT - 1):.0f} % of the least error counts as "
-        "a minimum; one delay is varied, the other is the paper's (docs/slosh_rbf_paper.md has all 99 pairs)",
+        f"forces of samples 901 to 1000, mean of three seeds; {CENTRES} Gaussians of one spread, rms error over standard "
+        "deviation (NRMSE)",
+        f"judged: one step ahead in pitch, as the paper's; a delay within {100 * (FLAT - 1):.0f} % of the least error counts "
+        "as a minimum; one delay is varied, the other is the paper's (docs/slosh_rbf_paper.md has all 99 pairs)",
     ]
     remarks = [summary(rows, "free run")]
     return Outcome(claims, conditions, {"delays": Table(Row._fields, rows)}, lambda: draw(rows), remarks)

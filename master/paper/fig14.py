@@ -68,8 +68,9 @@ def make(work: Work) -> Outcome:
         "a flutter march needs the free run, which the paper does not show",
     ]
     conditions = [
-        "our two-phase tank (100 x 30 cells, water) for the paper's; amplitudes of our Fig. 11 (a): 0.636° and, where both move, "
-        "10.2 mm; N = 2 samples of 0.02 s; a change of level takes a sample (at rest) or half a period of 100 rad/s (moving)",
+        "our two-phase tank (100 x 30 cells, water) for the paper's; amplitudes of our Fig. 11 (a): 0.636° and, where both "
+        "move, 10.2 mm; N = 2 samples of 0.02 s; a change of level takes a sample (at rest) or half a period of 100 rad/s "
+        "(moving)",
         "5 and 3 delays; size, spread and ridge by samples 801 to 900; three seeds; the picture is of pitch, seed 1",
     ]
     tables = {"errors": Table(Row._fields, rows), "walls": walls(samples[first], nets[first])}

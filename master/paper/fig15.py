@@ -27,14 +27,12 @@ def make(work: Work) -> Outcome:
     remarks = [
         f"{shown.said}; neutral V_f at this Mach number: fig21",
         "the paper contradicts itself: with fuel it flutters at V_f 0.70 here, while its dry section is damped at 0.78 "
-        "(section IV B) and "
-        "its conclusion is a higher V_f with sloshing",
+        "(section IV B) and its conclusion is a higher V_f with sloshing",
         "highest local Mach number: " + ", ".join(f"{r[0]} {r[-1]:.3f}" for r in rows),
     ]
     conditions = [
         "cases/paper_s.toml (Isogai A ratios) with two-phase fuel, forced pitch of 1°, two forced and five free cycles; "
-        "fields from "
-        "the same motion driven through the aero FMU once more",
+        "fields from the same motion driven through the aero FMU once more",
     ]
     return Outcome([judged(shown)], conditions, {"instants": Table(header, rows)}, lambda: draw(shown.instants, fields), remarks)
 

@@ -38,8 +38,7 @@ def make(work: Work) -> Outcome:
     ] + ["at the tank, 1.8 m behind the axis, a degree of pitch is some 7 g: the fuel is thrown from floor to roof"]
     conditions = [
         "cases/paper_s.toml with two-phase fuel on 100 x 30 cells, the march of fig15; the same motion driven through the "
-        "slosh FMU once "
-        "more: the broken surface is one draw of a chaotic flow",
+        "slosh FMU once more: the broken surface is one draw of a chaotic flow",
     ]
     return Outcome(judged(rows), conditions, {"surface": Table(header, rows)}, lambda: draw(shown.instants, fields), remarks)
 

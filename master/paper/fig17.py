@@ -21,8 +21,8 @@ def make(work: Work) -> Outcome:
     dry, flow, net = (found[model] for model in MODELS)
     remarks = [
         f"two-phase fuel from 1°: {shifts(flow, dry)}; surrogate: {shifts(net, dry)}",
-        "this is a matter of amplitude: small motions flutter earlier than the dry section, by the fuel's mass (frozen in fig21; "
-        "docs/does-slosh-matter.md)",
+        "this is a matter of amplitude: small motions flutter earlier than the dry section, by the fuel's mass (frozen in "
+        "fig21; docs/does-slosh-matter.md)",
     ]
     chosen = [
         *conditions(work),

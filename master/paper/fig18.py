@@ -32,14 +32,12 @@ def make(work: Work) -> Outcome:
         "K/liquid mass [1/s2]", "K/liquid mass, eq. 20b as printed [1/s2]",
     )  # fmt: skip
     remarks = [
-        f"the first mode holds {share[0]:.2%} of the liquid, all eight {share.sum():.2%}; equation 20a as printed begins "
-        f"with the "
-        f"second mode and has {mass[0]:.3%}, equation 20b a spring of {spring[0]:.1f} for {stiff[0]:.2f} 1/s²",
+        f"the first mode holds {share[0]:.2%} of the liquid, all eight {share.sum():.2%}; equation 20a as printed begins with "
+        f"the second mode and has {mass[0]:.3%}, equation 20b a spring of {spring[0]:.1f} for {stiff[0]:.2f} 1/s²",
     ]
     conditions = [
         "tank of 0.5 x 0.15 m, depth 0.075 m, g = 9.81 m/s², as the paper has it; its own curves cannot be read from the "
-        "text, so its "
-        "equations are held against the conditions that it derives them from",
+        "text, so its equations are held against the conditions that it derives them from",
     ]
     claims = judged(m, box, mass, spring)
     return Outcome(claims, conditions, {"modes": Table(header, rows)}, lambda: draw(n, m, box), remarks)

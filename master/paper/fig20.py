@@ -30,10 +30,8 @@ def make(work: Work) -> Outcome:
     found = spikes(omega, force, natural)
     fmu = [(w, driven_force(work, w), abs(harmonic_load(box, w, alpha=float(PSI))[0])) for w in work.pick(TRIED, TRIED[:2])]
     conditions = [
-        f"pitch of 1° about the tank's centre, force in inertial axes (equation 18a); {COUNT} frequencies of the closed "
-        f"form (equation 18a corrected: the depth "
-        f"for h), and "
-        "slosh_ems driven for 40 periods with its damping of 0.005 at some",
+        f"pitch of 1° about the tank's centre, force in inertial axes (equation 18a); {COUNT} frequencies of the closed form "
+        "(equation 18a corrected: the depth for h), and slosh_ems driven for 40 periods with its damping of 0.005 at some",
     ]
     apart = max(abs(got / exact - 1.0) for _, got, exact in fmu)
     remarks = [f"slosh_ems.fmu lies within {apart:.1%} of the closed form at {len(fmu)} frequencies off resonance"]

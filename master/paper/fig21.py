@@ -19,13 +19,11 @@ def make(work: Work) -> Outcome:
     worst = max(o.validity for o in found["ems"].values())
     remarks = [
         *(f"{model}: {shifts(found[model], dry)}" for model in MODELS[1:]),
-        f"linear slosh is frozen fuel: their V_f differ by {apart:.3%} at most; the first wave (5.2 rad/s) is far below "
-        f"the flutter "
-        "frequency",
+        f"linear slosh is frozen fuel: their V_f differ by {apart:.3%} at most; the first wave (5.2 rad/s) is far below the "
+        "flutter frequency",
         "the paper calls the EMS boundary slightly deviated in section IV E and its correlation poor in section V",
-        f"validity of the EMS in these motions is up to {worst:.0f} (1 is the edge): at 1° it tells what linear theory "
-        f"says, not what "
-        "fuel does, and `aeroslosh boundary` gives no verdict on it",
+        f"validity of the EMS in these motions is up to {worst:.0f} (1 is the edge): at 1° it tells what linear theory says, "
+        "not what fuel does, and `aeroslosh boundary` gives no verdict on it",
     ]
     title = "Fig. 21: neutral $V_f$ with each model of the fuel, forced pitch of 1°"
     claims = judged(found["ems"], found["vof"])

@@ -32,9 +32,8 @@ def make(work: Work) -> Outcome:
     remarks = [f"{said}: about the {name} {value:.2f}" for name, value in apart.items()]
     remarks += [
         f"a degree at 100 rad/s is {ARM * ALPHA * OMEGA**2 / 9.81:.0f} g at the tank of the section, "
-        f"{0.25 * ALPHA * OMEGA**2 / 9.81:.1f} g at the ends of a tank that turns about its centre: the fuel is thrown "
-        f"about, far above "
-        "the slosh frequencies (5.2 rad/s and up); it is not a resonance",
+        f"{0.25 * ALPHA * OMEGA**2 / 9.81:.1f} g at the ends of a tank that turns about its centre: the fuel is thrown about, "
+        "far above the slosh frequencies (5.2 rad/s and up); it is not a resonance",
         "the paper's samples of 0.02 s are 3.14 a period: its curve is aliased, the picture shows both samplings",
     ]
     conditions = [

@@ -22,8 +22,7 @@ def make(work: Work) -> Outcome:
     counted = answers(motions, found)
     conditions = [
         f"{CENTRE}; pitch and plunge in phase, {PERIODS} periods, spectra of the last {PERIODS - 2}; a peak counts from "
-        f"{PEAK:.0%} of the "
-        "highest; frequencies up to eight times the forcing",
+        f"{PEAK:.0%} of the highest; frequencies up to eight times the forcing",
     ]
     title = "Fig. 24: two-phase slosh, pitch and plunge at 3.14 rad/s, half-full tank"
     claims = [judged(counted)]

@@ -23,8 +23,7 @@ def make(work: Work) -> Outcome:
     counted = answers(motions, found)
     conditions = [
         f"{CENTRE}; pitch and plunge in phase, {PERIODS} periods, spectra of the last {PERIODS - 2}; a peak counts from "
-        f"{PEAK:.0%} of the "
-        "highest; frequencies up to eight times the forcing",
+        f"{PEAK:.0%} of the highest; frequencies up to eight times the forcing",
         "nonlinear: the part of the lateral force's spectrum that is not at the forcing frequency (rms)",
     ]
     title = "Fig. 25: two-phase slosh, pitch of 4° and plunge of 5 % of the height, half-full tank"

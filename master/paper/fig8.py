@@ -38,12 +38,12 @@ def make(work: Work) -> Outcome:
     claims = judged(above)
     low = {name: 1.0 - share(*found, 35.0) for name, found in spectra.items()}
     remarks = [
-        f"energy below 35 rad/s: white noise {low['white']:.0%}, APRBS {low['p0']:.0%}, levels kept with 0.5 {low['p0.5']:.0%}; "
-        f"the band-limited signal that our own surrogate is trained on: {low['smooth']:.0%}"
+        f"energy below 35 rad/s: white noise {low['white']:.0%}, APRBS {low['p0']:.0%}, levels kept with 0.5 "
+        f"{low['p0.5']:.0%}; the band-limited signal that our own surrogate is trained on: {low['smooth']:.0%}"
     ]
     conditions = [
-        f"N = {HOLD} samples of {SAMPLE:g} s (the paper does not tell N; half a period of 100 rad/s is 0.031 s), normal levels, "
-        f"seed {SEED}; spectra of {long:g} s"
+        f"N = {HOLD} samples of {SAMPLE:g} s (the paper does not tell N; half a period of 100 rad/s is 0.031 s), normal "
+        f"levels, seed {SEED}; spectra of {long:g} s"
     ]
     rows = [(name, float(w), float(p)) for name, (omega, power) in spectra.items() for w, p in zip(omega, power, strict=True)]
     tables = {"spectra": Table(("signal", "frequency [rad/s]", "PSD of unit variance [s/rad]"), rows)}

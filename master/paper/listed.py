@@ -34,16 +34,15 @@ def make(work: Work) -> Outcome:
     V_f = float(first["V_f"]) if first else math.nan
     doubt = float(first["V_f_uncertainty"] or 0.0) if first else math.nan
     remarks = [
-        f"listed parameters: onset at V_f {V_f:.4f} ± {doubt:.4f} (thin airfoil in linear flow: "
-        f"{THIN:.4f}); the motions at {DAMPED:g} and {FLUTTER:g} are at {DAMPED / V_f:.2f} and {FLUTTER / V_f:.2f} times that",
+        f"listed parameters: onset at V_f {V_f:.4f} ± {doubt:.4f} (thin airfoil in linear flow: {THIN:.4f}); the motions at "
+        f"{DAMPED:g} and {FLUTTER:g} are at {DAMPED / V_f:.2f} and {FLUTTER / V_f:.2f} times that",
         f"Isogai A at V_f {DAMPED:g}: {isogai}",
-        "so the figures are of Isogai's case A: x_alpha 1.8, r² 3.48, mu 60, 100 rad/s, the elastic axis half a chord "
-        "ahead of the "
-        "section",
+        "so the figures are of Isogai's case A: x_alpha 1.8, r² 3.48, mu 60, 100 rad/s, the elastic axis half a chord ahead "
+        "of the section",
     ]
     conditions = [
-        "x_alpha 0.25, r² 0.75, omega_h = omega_alpha, mu 75 (section II); the axis is not told, a = -0.6 is taken "
-        "(x/c = 0.2); 6.2831 rad/s is a scale only in a dry section; dry, forced pitch of 1°",
+        "x_alpha 0.25, r² 0.75, omega_h = omega_alpha, mu 75 (section II); the axis is not told, a = -0.6 is taken (x/c = "
+        "0.2); 6.2831 rad/s is a scale only in a dry section; dry, forced pitch of 1°",
     ]
     rows = [("listed", p.V_f, str(p.verdict), p.growth_rate, p.frequency) for p in points.values()]
     rows += [("Isogai A", isogai.V_f, str(isogai.verdict), isogai.growth_rate, isogai.frequency)]

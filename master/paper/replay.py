@@ -12,7 +12,7 @@ import numpy as np
 
 from ..api.case import Case
 from ..api.point import point
-from ..case import fuel_tank
+from ..case import aero_parameters, fuel_tank
 from ..fmi import table_drive
 from ..fmi.component import Component
 from .boundaries import coarse
@@ -97,11 +97,7 @@ def replay(work: Work, shown: Replay, name: str) -> list[Path]:
     component = Component(work.fmu(name), name)
     try:
         if name == "aero":
-            component.set_all({
-                "mach": case.flow.mach, "chord": case.section.chord, "elastic_axis": case.section.elastic_axis,
-                "static_pressure": case.flow.static_pressure, "static_temperature": case.flow.static_temperature,
-                "airfoil": case.flow.airfoil, "cells_around": case.aero.cells_around, "cells_normal": case.aero.cells_normal,
-            })  # fmt: skip
+            component.set_all(aero_parameters.parameters(case, MACH, component.variables))
         else:
             component.set_all(fuel_tank.parameters(case.slosh, component.variables))
         place = table_drive.prepare_fields(component, folder)

@@ -23,9 +23,8 @@ def make(work: Work) -> Outcome:
     rows = [(name, PAPER[name], seconds) for name, seconds in ours.items()]
     rows += [("savings [%]", saved(PAPER), saved(ours)), ("steps after which training has paid", pays(PAPER), pays(ours))]
     conditions = [
-        "CPU seconds of this machine, one core; our two-phase solver on 100 x 30 cells, steps of 0.02 s; training with "
-        "the search "
-        "of 18 candidates; the paper's machine and mesh are not ours, so only the savings are compared",
+        "CPU seconds of this machine, one core; our two-phase solver on 100 x 30 cells, steps of 0.02 s; training with the "
+        "search of 18 candidates; the paper's machine and mesh are not ours, so only the savings are compared",
     ]
     remarks = [
         f"the paper leaves training out of its savings; with it, its surrogate pays after {pays(PAPER):.0f} steps, ours after "

@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 NAMES = ("h", "h_dot", "h_ddot", "alpha", "alpha_dot", "alpha_ddot", "x", "x_dot", "x_ddot")
 ABOUT = (
     "tank of 0.5 x 0.15 m, half full, of the fuel of cases/paper_s.toml (800 kg/m³, 2e-6 m²/s, 0.025 N/m); two-phase flow on "
-    "100 x 30 cells, from rest, motion risen within its first period; lateral and vertical: along the tank's walls (equations 8)"
+    "100 x 30 cells, from rest, motion risen within its first period; lateral and vertical: along the tank's walls (equations "
+    "8)"
 )
 CENTRE = f"{ABOUT}; pitch about the tank's centre (the paper does not place its axis)"
 PEAK = 0.1

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from ..base import files
 from ..fmi import unpack
+from ..results.provenance import source_hash
 
 T = TypeVar("T")
 MODELS = ("structure", "aero", "slosh_ems", "slosh_vof", "slosh_rbf")
@@ -45,10 +46,11 @@ class Work:
 
     @property
     def key(self) -> dict[str, Any]:
-        """What a result depends on beside its module: size of the task and content of the FMUs."""
+        """What a result depends on: size of the task, content of the FMUs, and the master's own source."""
         paths = [self.fmu(name) for name in MODELS]
         whole = "".join(unpack.sha256(path) if path.is_file() else "missing" for path in paths)
-        return {"small": self.small, "fmus": hashlib.sha256(whole.encode()).hexdigest()[:16]}
+        fmus = hashlib.sha256(whole.encode()).hexdigest()
+        return {"small": self.small, "fmus": fmus[:16], "master": source_hash()[:16]}
 
     def shared(self, name: str, compute: Callable[[], Any]) -> Any:
         """What `compute` gives (made of what JSON holds), computed once for all figures and kept; an interrupt loses what was

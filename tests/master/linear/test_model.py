@@ -208,6 +208,8 @@ def test_slopes_of_the_fit_are_those_of_its_basis() -> None:
     exact = [Record(s, r.motion, y.T / weight[:, None], r.between) for r, y in zip(made, loads, strict=True)]
     again = rational_fit.fit(exact, 4, 0.02, 2.0)
     assert max(float(np.max(again.error(r))) for r in exact) < 1e-6
+    beside = rational_fit.with_poles(exact, poles)
+    assert max(float(np.max(beside.error(r))) for r in exact) < 1e-9 and np.array_equal(beside.poles, poles)
 
 
 def rational_fit_motions(s: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

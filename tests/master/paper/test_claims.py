@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
+from aeroslosh.fmus.tank.liquid import Tank
+from aeroslosh.fmus.tank.modes import modes
 from aeroslosh.master.paper import (
     fig8,
     fig10,
@@ -69,8 +72,6 @@ def onset(V_f: float, doubt: float = 0.001, mach: float = 0.8) -> dict[float, On
 
 def shown(verdict_: str) -> Replay:
     """A march of that verdict."""
-    import numpy as np
-
     return Replay(np.zeros(1), np.zeros((1, 6)), [], verdict_, "", 2.0, -0.5)
 
 
@@ -127,9 +128,6 @@ def test_every_figure_tells_what_agrees_from_what_differs(agreeing: list[Claim],
 
 def test_equations_as_they_should_be_agree_and_as_printed_differ() -> None:
     """Fig. 18: the printed masses and springs are replaced by the right ones, which the same claims then take."""
-    from aeroslosh.fmus.tank.liquid import Tank
-    from aeroslosh.fmus.tank.modes import modes
-
     box = Tank(0.5, 0.15)
     m = modes(box, 8)
     assert verdict(fig18.judged(m, box, m.mass / box.mass, m.stiffness / box.mass)) == "agrees"
