@@ -11,7 +11,7 @@ HELP = {
     "drive": "drive one FMU alone with a table of its inputs",
     "animate": "draw the liquid in a tank from the fields that a slosh FMU wrote, as an animation",
     "compare": "tell what differs between two runs: settings, provenance, results, histories, cost",
-    "overlay": "draw the boundaries of several runs in one picture: dry against fuel",
+    "overlay": "draw the boundaries, or the limit cycles, of several runs in one picture: dry against fuel",
     "report": "write a run, a sweep or a system's run as one HTML page that can be sent",
     "export": "write a run's histories or fields, or a coupled system, for other programs",
     "paper": "compute the figures of Srivastava, Damodaran and Khoo's paper, with a verdict on each; resumable",

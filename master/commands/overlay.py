@@ -1,4 +1,4 @@
-"""`aeroslosh overlay`: the boundaries of several runs in one picture."""
+"""`aeroslosh overlay`: the boundaries, or the limit cycles, of several runs in one picture."""
 
 from __future__ import annotations
 
@@ -12,14 +12,19 @@ from typing import Any
 from ..base.errors import AeroSloshError, ExitCode
 from ..case.fuel_tank import LABEL
 from ..results import boundary_table, past_run
+from ..results.amplitude_text import said
 from . import HELP
+
+KINDS = ("boundary", "amplitude")  # of runs that are laid over each other
 
 
 def register(commands: Any) -> None:
     """The command line."""
     text = HELP["overlay"]
     sub = commands.add_parser("overlay", help=text, description=text)
-    sub.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="run folders of `aeroslosh boundary`")
+    sub.add_argument(
+        "runs", type=Path, nargs="+", metavar="RUN", help="run folders of `aeroslosh boundary`, or of `aeroslosh amplitude`"
+    )
     sub.add_argument(
         "--names", nargs="+", metavar="NAME", help="what they are called (default: their slosh models, else folders)"
     )
@@ -33,21 +38,52 @@ def execute(options: argparse.Namespace) -> int:
     if options.out.suffix.lower() != ".png":
         raise AeroSloshError(f"--out {options.out}", "command line", "a name that ends in .png")
     found = [past_run.load(path) for path in options.runs]
+    kinds = {run.kind for run in found}
     for run in found:
-        if run.kind != "boundary":
-            raise AeroSloshError(f"The run is a {run.kind}", str(run.path), "give run folders of `aeroslosh boundary`")
+        if run.kind not in KINDS or len(kinds) > 1:
+            raise AeroSloshError(
+                f"The run is {'an' if run.kind[0] in 'aeiou' else 'a'} {run.kind}",
+                str(run.path),
+                "give run folders of `aeroslosh boundary` alone, or of `aeroslosh amplitude` alone",
+            )
     names = options.names or _names([(LABEL.get(r.result.get("slosh", ""), ""), r.path) for r in found])
     if len(names) != len(found) or len(set(names)) != len(names):
         raise AeroSloshError(f"--names {' '.join(names)}", "command line", f"{len(found)} different names, one a run")
-    runs = {name: boundary_table.rows(run.result["points"]) for name, run in zip(names, found, strict=True)}
+    named = dict(zip(names, found, strict=True))
+    try:
+        return _limit_cycles(options, named) if kinds == {"amplitude"} else _boundaries(options, named)
+    except OSError as error:
+        raise AeroSloshError(f"The picture cannot be written: {error.strerror}", str(options.out), "give another --out") from None
+
+
+def _limit_cycles(options: argparse.Namespace, found: dict[str, past_run.PastRun]) -> int:
+    """Of runs of `aeroslosh amplitude` at one Mach number."""
+    machs = {run.result["mach"] for run in found.values()}
+    if len(machs) > 1:
+        where = ", ".join(f"{run.path}: {run.result['mach']:g}" for run in found.values())
+        raise AeroSloshError("The runs have several Mach numbers", where, "limit cycles over V_f of one Mach number")
+    runs = {name: run.result["speeds"] for name, run in found.items()}
+    from ..pictures import amplitude_overlay  # matplotlib takes half a second to import
+
+    amplitude_overlay.draw(runs, f"Limit cycles over $V_f$, Mach {machs.pop():g}", options.out)
+    if options.json:
+        print(json.dumps({"file": str(options.out), "speeds": runs}))
+        return ExitCode.OK
+    for name, rows in runs.items():
+        print("\n".join([f"  {name}", *(f"    {said(row)}" for row in rows)]))
+    print(f"  picture      {os.path.relpath(options.out)}")
+    return ExitCode.OK
+
+
+def _boundaries(options: argparse.Namespace, found: dict[str, past_run.PastRun]) -> int:
+    """Of runs of `aeroslosh boundary`."""
+    names = list(found)
+    runs = {name: boundary_table.rows(run.result["points"]) for name, run in found.items()}
     if not any(rows for rows in runs.values()):
         raise AeroSloshError("No run has a finished Mach number", str(options.runs[0]), "finish one of them")
     from ..pictures import overlay  # matplotlib takes half a second to import
 
-    try:
-        overlay.draw(runs, options.out)
-    except OSError as error:
-        raise AeroSloshError(f"The picture cannot be written: {error.strerror}", str(options.out), "give another --out") from None
+    overlay.draw(runs, options.out)
     lowest = {name: _lowest(rows) for name, rows in runs.items()}
     if options.json:
         print(

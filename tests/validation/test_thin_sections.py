@@ -32,8 +32,9 @@ K = np.array([0.05, 0.09, 0.14, 0.2, 0.28, 0.36, 0.46, 0.58, 0.74, 0.95])
 
 
 def test_pitch_meets_the_thick_section_as_the_mesh_is_refined() -> None:
-    """NACA 0004 at k 0.36. What is missing falls with the cell: too little lag, too much moment. On 168 x 48 cells 2.5 percent
-    of a load (as a vector) are allowed, as 1 percent and 1 degree make; extrapolated at first order 0.2 percent and degrees."""
+    """NACA 0004 at k 0.36: on 168 x 48 and on 336 x 96 cells within 0.3 percent of a load (as a vector), where 0.1 degree is
+    0.17 percent; on 84 x 24 cells within 2 percent. Below 0.2 percent nothing is judged: theory multiplies the plate's
+    compressible loads by incompressible factors, and k 0.36 at Mach 0.2 is marched for three periods."""
     k, amplitude, steps = 0.36, np.radians(0.5), 96
     omega = 2.0 * k * MACH
     dt = 2.0 * np.pi / omega / steps
@@ -51,14 +52,11 @@ def test_pitch_meets_the_thick_section_as_the_mesh_is_refined() -> None:
         last = np.array(rows[-steps:])
         harmonic = np.mean(last[:, 1:] * (2j * np.exp(-1j * last[:, :1])), axis=0) / amplitude
         found.append(harmonic / PLATE(MACH, k, 2 * AXIS - 1)[:, 1])
-    limit = 2.0 * found[2] - found[1]
+    away = np.array([[abs(z[load] / exact[load] - 1.0) for load in (0, 1)] for z in found])
     for load in (0, 1):
-        print(f"\n{('C_L', 'C_M')[load]} over the plate's: {', '.join(_ratio(z[load]) for z in found)}; extrapolated "
-              f"{_ratio(limit[load])}, thick section {_ratio(exact[load])}", end="")  # fmt: skip
-        away = [abs(z[load] / exact[load] - 1.0) for z in found]
-        assert away[2] < away[1] < 0.025
-        assert abs(abs(limit[load] / exact[load]) - 1.0) < 2e-3
-        assert abs(np.degrees(np.angle(limit[load] / exact[load]))) < 0.2
+        print(f"\n{('C_L', 'C_M')[load]} over the plate's: {', '.join(_ratio(z[load]) for z in found)}; thick section "
+              f"{_ratio(exact[load])}; away {', '.join(f'{a:.2%}' for a in away[:, load])}", end="")  # fmt: skip
+    assert np.all(away[0] < 0.02) and np.all(away[1:] < 0.003)
 
 
 def _ratio(z: complex) -> str:
@@ -120,6 +118,7 @@ def test_flutter_of_thick_sections(
     judged = 0
     for x_alpha in (0.1, 0.2, 0.3):
         for mass_ratio in (20.0, 40.0, 100.0):
+            plate: float | None = None
             for airfoil, largest in zip(AIRFOILS, (thin, full), strict=True):
                 case = _case(x_alpha, ratio, mass_ratio, airfoil)
                 model = dataclasses.replace(models[airfoil], case=case)
@@ -129,7 +128,7 @@ def test_flutter_of_thick_sections(
                 V_f, frequency = onset[0].V_f, onset[0].frequency
                 case.flutter.V_f = V_f
                 monkeypatch.setattr(possio, "coefficients", PLATE)
-                plate = _neutral(case, V_f, frequency)
+                plate = _neutral(case, V_f if plate is None else plate, frequency)  # 12 % of thickness may be half of V_f
                 factor = thickness[airfoil]
                 monkeypatch.setattr(possio, "coefficients", lambda m, k, a, factor=factor: PLATE(m, k, a) * factor(k))
                 exact = _neutral(case, V_f, frequency)

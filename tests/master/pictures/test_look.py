@@ -19,7 +19,19 @@ from aeroslosh.master.base import vtk
 from aeroslosh.master.boundary.search import BoundaryPoint, sample
 from aeroslosh.master.flutter.march import March
 from aeroslosh.master.fmi.table_drive import Table
-from aeroslosh.master.pictures import boundary, canvas, envelope, look, mach_field, march, modes, overlay, sweep, table
+from aeroslosh.master.pictures import (
+    amplitude_overlay,
+    boundary,
+    canvas,
+    envelope,
+    look,
+    mach_field,
+    march,
+    modes,
+    overlay,
+    sweep,
+    table,
+)
 from support.fields import flow
 
 # Machado, Oliveira and Fernandes 2009, doi 10.1109/TVCG.2009.113, severity 1.0, on linear sRGB
@@ -168,6 +180,20 @@ def test_the_sonic_line_is_smooth(tmp_path: Path) -> None:
     assert abs(r.mean() - 0.9) < 0.03 and np.ptp(r) < 0.01  # cells there are 0.1 wide
     turns = np.diff(np.unwrap(np.arctan2(*np.diff(path.vertices, axis=0).T[::-1])))
     assert np.abs(turns[np.abs(turns) < math.pi / 2]).max() < math.radians(12.0)  # no staircase
+
+
+def test_limit_cycles_of_several_models(drawn: list[Figure], tmp_path: Path) -> None:
+    points = [{"amplitude_deg": a, "growth_rate": g, "standard_error": 1e-4} for a, g in ((0.1, 0.01), (1.0, 0.02))]
+    cycle = {"amplitude_deg": 0.3, "std_deg": 0.4, "stable": True, "slope": -0.01, "confirmed": "both"}
+    held = {"V_f": 0.8, "cycles": [cycle, cycle | {"amplitude_deg": 2.0, "stable": False, "confirmed": ""}], "curve": points}
+    rows = [{"V_f": 0.7, "cycles": [], "curve": [p | {"growth_rate": -0.01} for p in points]}, held]
+    free = [{"V_f": 0.7, "cycles": [], "curve": []}, {"V_f": 0.8, "cycles": [], "curve": points}]
+    amplitude_overlay.draw({"RBF": rows, "frozen": free}, "Limit cycles over $V_f$, Mach 0.8", tmp_path / "a.png")
+    check(drawn[-1], ("Limit cycles", "Mach 0.8"))
+    told = {text.get_text() for text in drawn[-1].legends[0].get_texts()}
+    assert {"RBF", "frozen", "all motions marched grow", "all decay"} <= told
+    low, high = drawn[-1].axes[0].get_ylim()
+    assert 0.0 < low <= 0.1 and high >= 2.0
 
 
 def test_pictures_of_several_boundaries_and_of_altitudes(drawn: list[Figure], tmp_path: Path) -> None:

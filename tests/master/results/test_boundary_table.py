@@ -46,3 +46,25 @@ def test_boundaries_of_two_runs_in_one_picture(boundary_run: Callable[..., Path]
     assert told["lowest_V_f"] == {"a": {"0.7": 1.0, "0.8": 0.8}, "b": {"0.7": 0.9, "0.75": 0.85}}
     done = called("overlay", dry, wet, "--names", "a", "--out", tmp_path / "o.png")
     assert done.returncode == 2 and "2 different names" in done.stderr
+
+
+def test_limit_cycles_of_two_runs_in_one_picture(boundary_run: Callable[..., Path], tmp_path: Path) -> None:
+    cycle = {"amplitude_deg": 0.3, "std_deg": 0.02, "stable": True, "slope": -0.01, "confirmed": "both"}
+    rows = [{"V_f": 0.8, "marches": [], "cycles": [cycle], "curve": []}]
+    runs = []
+    for name, mach, slosh in (("a", 0.8, "rbf"), ("b", 0.8, "vof"), ("c", 0.7, "vof")):
+        runs.append(tmp_path / name)
+        runs[-1].mkdir()
+        data = {"mach": mach, "slosh": slosh, "free_cycles": 20.0, "speeds": rows}
+        (runs[-1] / "result.json").write_text(json.dumps(data), encoding="utf-8")
+    done = called("overlay", *runs[:2], "--out", tmp_path / "o.png")
+    assert done.returncode == 0, done.stderr
+    assert "V_f 0.8: stable limit cycle at 0.3 ± 0.02 deg (marched from both)" in done.stdout
+    assert (tmp_path / "o.png").read_bytes().startswith(b"\x89PNG")
+    told = json.loads(called("overlay", *runs[:2], "--json", "--names", "x", "y", "--out", tmp_path / "o.png").stdout)
+    assert told["speeds"] == {"x": rows, "y": rows}
+    done = called("overlay", *runs, "--names", "a", "b", "c", "--out", tmp_path / "p.png")
+    assert done.returncode == 2 and "several Mach numbers" in done.stderr and not (tmp_path / "p.png").exists()
+    other = boundary_run("dry", {0.7: [(1.0, 0.01, "onset")]})
+    done = called("overlay", runs[0], other)
+    assert done.returncode == 2 and "of `aeroslosh amplitude` alone" in done.stderr
