@@ -47,6 +47,14 @@ def test_parts_are_what_the_coarse_models_are_off_by(slope: float) -> None:
     assert wider.V_f == 1.01 and wider.uncertainty == pytest.approx(math.hypot(1e-4, *parts.values()))
 
 
+def test_a_change_that_vanishes_at_one_v_f_leaves_a_bar() -> None:
+    """Models that cross at the same V_f by accident, with other slopes: half way to a tenth of V_f aside they differ."""
+    parts = beside(Line(1.0, 0.2), Line(1.0, 0.3), Line(1.0, 0.2)).parts(LinearCrossing(1.0, 0.9, "onset", 0.2, 0, 0.1))
+    away = math.sqrt((0.1**2 + 0.05**2) / 2.0)  # rms of V_f - 1 over what is looked at
+    for name in companion.PARTS:
+        assert abs(parts[name]) == pytest.approx(0.1 * away / 0.2)
+
+
 def test_a_divergence_is_compared_by_its_own_v_f() -> None:
     models = beside(Line(1.0, static=2.0), Line(1.0, static=2.1), Line(1.0, static=2.1))
     parts = models.parts(LinearCrossing(2.0, 0.0, "onset", 0.1, -1, 0.0))
