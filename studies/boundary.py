@@ -10,23 +10,28 @@ import sys
 from pathlib import Path
 from typing import Any
 
+PARTS = ("fit", "discretisation", "amplitude")
+
 
 def rows(result: dict[str, Any]) -> list[str]:
-    """Markdown rows: Mach, linear V_f, marched V_f with error, difference, frequency, what the model misses."""
+    """Markdown rows: Mach, linear V_f, marched V_f with its error bar, their difference, frequency, parts of the bar; a part that
+    could not be had is named."""
     lines = []
     for point in result["points"]:
         linear = point["linear"]
-        missed = f"{100 * max(linear['check_error']):.1f} %"
         if not linear["crossings"]:
-            lines.append(f"| {point['mach']:.3f} | none | none: {len(point['marches'])} marches | | | {missed} |")
+            lines.append(f"| {point['mach']:.3f} | none | none: {len(point['marches'])} marches | | | | | |")
         for predicted in linear["crossings"]:
             own = next((c for c in point["crossings"] if c["V_f"] == predicted["marched_V_f"]), None)
-            marched = f"{own['V_f']:.4f} ± {own['V_f_uncertainty']:.4f}" if own else predicted["state"]
-            difference = f"{100 * (predicted['V_f'] / own['V_f'] - 1):+.2f} %" if own else ""
-            frequency = (own or predicted)["frequency"]
+            start = f"| {point['mach']:.3f} | {predicted['direction']} {predicted['V_f']:.4f} |"
+            if own is None:
+                lines.append(f"{start} {predicted['state']} | | {predicted['frequency']:.3f} | | | |")
+                continue
+            parts = own["uncertainty_parts"]
+            told = [f"{parts[name]:+.4f}" if name in parts else "not had" for name in PARTS]
             lines.append(
-                f"| {point['mach']:.3f} | {predicted['direction']} {predicted['V_f']:.4f} | {marched} | {difference} "
-                f"| {frequency:.3f} | {missed} |"
+                f"{start} {own['V_f']:.4f} ± {own['V_f_uncertainty']:.4f} | {100 * (predicted['V_f'] / own['V_f'] - 1):+.2f} % "
+                f"| {own['frequency']:.3f} | {' | '.join(told)} |"
             )
     return lines
 
@@ -34,7 +39,8 @@ def rows(result: dict[str, Any]) -> list[str]:
 def main() -> None:
     """Print table and totals of the run folder named on the command line."""
     result = json.loads((Path(sys.argv[1]) / "result.json").read_text(encoding="utf-8"))
-    print("| Mach | linear V_f | marched V_f | linear − marched | ω/ω_α | missed |\n|---|---|---|---|---|---|")
+    print("| Mach | linear V_f | marched V_f | linear − marched | ω/ω_α | fit | discretisation | amplitude |")
+    print("|---|---|---|---|---|---|---|---|")
     print("\n".join(rows(result)))
     crossings = sum(len(point["crossings"]) for point in result["points"])
     marches = sum(len(point["marches"]) for point in result["points"])
