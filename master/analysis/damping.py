@@ -170,10 +170,15 @@ def _critical(modes: list[Mode], reals: list[Mode]) -> Mode:
 def _harmonic(mode: Mode, modes: list[Mode]) -> bool:
     """Whether `mode` is what a nonlinear response adds at twice or three times a stronger mode's pole.
 
-    A mode that changes with its amplitude shows as several close poles: its harmonics lie among their multiples."""
+    A mode that changes with its amplitude shows as several close poles: its harmonics lie among their multiples. Of a motion that
+    grows out of linear response they need not grow at twice or three times its rate: any faster one counts."""
     for other in modes:
         if other.share <= 5.0 * mode.share:
             continue
+        if other.growth_rate > SUSPECT[2] * other.growth_rate_std and mode.growth_rate > other.growth_rate:
+            turns = mode.frequency / other.frequency
+            if any(abs(turns - n) < CLOSE * n for n in (2, 3)):
+                return True
         own = [m for m in modes if close(m, other) and m.share > mode.share]
         frequencies, rates = [m.frequency for m in own], [m.growth_rate for m in own]
         for n in (2, 3):

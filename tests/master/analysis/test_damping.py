@@ -183,6 +183,20 @@ def test_harmonics_of_a_nonlinear_response_are_not_its_growth_rate() -> None:
     assert fit.growth_rate == pytest.approx(0.01, abs=1e-6)
 
 
+def test_a_harmonic_may_grow_faster_than_twice_its_mode() -> None:
+    """As of a NACA 64A204 at Mach 0.75, far above onset: a small part near twice the frequency grows at more than three times the
+    rate of the motion that it is made by."""
+    t = tau(4.0)
+    strong = 0.01 * np.exp(0.088 * t) * np.array([np.cos(0.555 * t), 1.3 * np.cos(0.555 * t - 0.7)])
+    small = 3e-6 * np.exp(0.331 * t) * np.array([np.cos(1.1156 * t), 1.7 * np.cos(1.1156 * t - 0.4)])
+    fit = fitted(t, strong + small)
+    assert max(m.growth_rate for m in fit.modes) == pytest.approx(0.331, abs=0.01)
+    assert max(m.share for m in fit.modes if m.frequency > 1.0) > 0.02
+    assert fit.growth_rate == pytest.approx(0.088, abs=1e-3) and fit.frequency == pytest.approx(0.555, abs=1e-3)
+    decaying = 0.01 * np.exp(-0.02 * t) * np.array([np.cos(0.555 * t), 1.3 * np.cos(0.555 * t - 0.7)])
+    assert fitted(t, decaying + small).growth_rate == pytest.approx(0.331, abs=0.01)  # nothing grows that could make it
+
+
 def test_a_mode_that_outgrows_linear_motion_is_read_by_its_strongest_pole() -> None:
     """As at Mach 0.6, V_f 1.954: one mode fitted by two close growing poles, and a harmonic between their multiples."""
     t = tau(3)
