@@ -263,3 +263,18 @@ def test_a_snapshot_repeats_to_the_bit() -> None:
             again.advance(VIOLENT(0.01 * k), VIOLENT(0.01 * (k + 1)), 0.01)
         runs.append([value.hex() for value in again.loads(VIOLENT(0.2))])
     assert runs[0] == runs[1] == runs[2]
+
+
+def test_an_opening_under_the_surface_alone_lets_nothing_through() -> None:
+    """Two fluids that cannot be compressed: what liquid goes must come back as gas. With a slot on the roof it does."""
+    motion = harmonic(6.0, 0.2, surge=0.01)
+    swings = []
+    for text in ("x=0 open=0:0.03", SLOTS):
+        flow = Flow(divided(text, 50, 20))
+        flow.start(motion(0.0))
+        aft = []
+        for k in range(60):
+            flow.advance(motion(0.01 * k), motion(0.01 * (k + 1)), 0.01)
+            aft.append(flow.fractions[:, 25:].mean())
+        swings.append(np.ptp(aft))
+    assert swings[0] < 1e-6 and swings[1] > 0.01
