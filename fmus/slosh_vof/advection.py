@@ -38,11 +38,12 @@ def _cut_flux(flux: Any, courant: Any, surface: Any, step: int, along: int) -> N
 
 @jit
 def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flux_y: Any, surface: Any,
-           nx: int, ny: int, y_first: bool) -> None:  # fmt: skip
+           nx: int, ny: int, y_first: bool, ribs: Any = None) -> None:  # fmt: skip
     """Advance volume fractions by one time step.
 
     c: old values with ghosts, reconstructed in surface; new: receives the new ones, ghosts and all, reconstructed there;
-    nu_x, nu_y: Courant numbers of the faces, divergence-free, at most 1/2; flux_x, flux_y: receive the fluxes; middle: scratch.
+    nu_x, nu_y: Courant numbers of the faces, divergence-free, at most 1/2; flux_x, flux_y: receive the fluxes; middle: scratch;
+    ribs: `partition.Partition`, or None.
     """
     s = nx + 2
     first, n = 2 * s, ny * s
@@ -58,7 +59,7 @@ def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flu
         dilatation = n_out[k] - n_in[k] if old[k] > 0.5 else 0.0
         mid[k] = old[k] - (f_out[k] - f_in[k]) + dilatation
     fill_ghosts(middle, nx, ny)
-    reconstruct(middle, nx, ny, surface)
+    reconstruct(middle, nx, ny, surface, ribs)
     _pure_flux(flux_2, middle, nu_2, first, n, other)
     _cut_flux(flux_2, nu_2, surface, other, 0 if y_first else 1)
     end = new[first : first + n]
@@ -67,4 +68,4 @@ def advect(c: Any, new: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flu
     for k in range(n):
         end[k] = old[k] - (x_out[k] - x_in[k]) - (y_out[k] - y_in[k])
     fill_ghosts(new, nx, ny)
-    reconstruct(new, nx, ny, surface)
+    reconstruct(new, nx, ny, surface, ribs)

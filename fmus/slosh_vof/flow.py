@@ -13,6 +13,7 @@ from . import loads as wall
 from . import probes, side_walls, step
 from .grid import Grid
 from .multigrid import plan
+from .partition import partition
 from .plic import fill_ghosts, reconstruct, surface
 from .surface import flat, from_heights
 from .wall_layer import memory
@@ -94,6 +95,7 @@ class Flow:
         levels, length = plan(grid.nx, grid.ny, grid.dx, grid.dy)
         self.places = step.Places(grid.x, grid.y, grid.open_x, grid.open_y, levels)
         self.plates = np.array(grid.plates, dtype=np.int64).reshape(-1, 3)
+        self.ribs = partition(grid)
         self.state = np.zeros((step.STATE_ROWS, grid.size))
         self.work = np.zeros((step.WORK_ROWS, grid.size))
         self.coarse = np.zeros((7, length), dtype=np.float32)
@@ -112,7 +114,7 @@ class Flow:
         """
         grid = self.grid
         if wave:
-            fractions = from_heights(grid, lambda x: wave * np.cos(np.pi * x / grid.tank.length), motion.alpha)
+            fractions = from_heights(grid, lambda x: wave * np.cos(np.pi * x / grid.tank.length), motion.alpha, settled=True)
         else:
             fractions = flat(grid, motion.alpha)
         return self.start_from(fractions, motion)
@@ -127,12 +129,12 @@ class Flow:
         c = self.state[step.C]
         self.grid.inner(c)[:] = fractions
         fill_ghosts(c, n.nx, n.ny)
-        reconstruct(c, n.nx, n.ny, self.surface)
+        reconstruct(c, n.nx, n.ny, self.surface, self.ribs)
         work[step.OLD_RHO] = n.gas_density + (n.liquid_density - n.gas_density) * c
         step.frame_force(course(motion, motion, 1.0), 1.0, n.gravity, self.frame)
         iterations, residual = step.accelerate(
             self.state, work, self.coarse, self.surface, self.layers, self.frame, self.places, n, n.max_step,
-            min(1e-3 * n.tolerance, 1e-9), self.sides)  # fmt: skip
+            min(1e-3 * n.tolerance, 1e-9), self.sides, self.ribs)  # fmt: skip
         q = self.state[step.Q]
         for row, face, width, ahead in ((step.AX, step.KX, n.dy, 1), (step.AY, step.KY, n.dx, self.grid.stride)):
             self.state[row, :-ahead] -= work[face, :-ahead] * (q[ahead:] - q[:-ahead]) / width
@@ -155,7 +157,7 @@ class Flow:
         table = course(start, end, duration)
         outcome = step.advance(
             self.state, self.work, self.coarse, self.surface, self.layers, self.notes, table, duration, self.places,
-            self.numbers, self.sides, self.watch if self.watch.cells.size else None)  # fmt: skip
+            self.numbers, self.sides, self.watch if self.watch.cells.size else None, self.ribs)  # fmt: skip
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:
@@ -183,7 +185,7 @@ class Flow:
         out = np.zeros(wall.ROWS)
         wall.wall_loads(
             self.state, self.surface, self.work[step.RHO], self.work[step.TAU], self.frame, self.places.x, self.places.y,
-            self.plates, self.numbers, out)  # fmt: skip
+            self.plates, self.numbers, out, self.ribs)  # fmt: skip
         if self.sides is not None:
             sides = np.zeros(3)
             side_walls.side_loads(self.state, self.places, self.numbers, self.sides, sides)
@@ -222,10 +224,15 @@ class Flow:
     def heights(self, x: Array) -> Array:
         """Rise of the liquid column at x [m] from the west wall above the still level [m], shape of x.
 
-        Linear between the middles of columns.
+        Linear between the middles of columns of one bay; a gauge on a rib is aft of it.
         """
-        columns = self.fractions.sum(axis=0) * self.grid.dy - self.grid.tank.depth
-        return np.asarray(np.interp(x, (np.arange(self.grid.nx) + 0.5) * self.grid.dx, columns))
+        grid = self.grid
+        columns, middles = self.fractions.sum(axis=0) * grid.dy - grid.tank.depth, (np.arange(grid.nx) + 0.5) * grid.dx
+        out = np.asarray(np.interp(x, middles, columns))
+        for first, last in grid.bays if len(grid.bays) > 1 else []:
+            here = (x >= first * grid.dx) & ((x < last * grid.dx) | (last == grid.nx))
+            out = np.where(here, np.interp(x, middles[first:last], columns[first:last]), out)
+        return out
 
     def pressures(self) -> list[tuple[float, float, float]]:
         """Each probe's pressure [Pa] above that of the gas: at its middle, mean over its face, that mean over the window."""
@@ -256,7 +263,7 @@ class Flow:
         self.notes = snapshot["notes"].copy()
         self.frame = snapshot["frame"].copy()
         self.watch.rings[:] = snapshot["probes"]
-        reconstruct(self.state[step.C], self.numbers.nx, self.numbers.ny, self.surface)
+        reconstruct(self.state[step.C], self.numbers.nx, self.numbers.ny, self.surface, self.ribs)
 
 
 _WORDS = {

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..kit.interfaces import (
     ACCELERATED,
@@ -25,6 +28,7 @@ from ..tank.motion import SectionMotion
 from . import instruments, vtk
 from .flow import Flow, FlowError, Fluids, Numerics, StepReport
 from .grid import Baffles, Grid, GridError
+from .ribs import RibError, parse
 from .shape import Shape, ShapeError, fractions
 
 INPUTS = (*MOTION, *SURGE)
@@ -33,12 +37,12 @@ LIMITS = {"h": 1e9, "h_dot": 1e6, "h_ddot": 1e5, "alpha": 1e6, "alpha_dot": 1e3,
 """Largest magnitudes of the inputs: no tank survives more. As ranges of the face, so that a good value cures a bad one."""
 
 
-GRID = ("cells_x", "cells_y", "baffle_count", "baffle_bottom", "baffle_top")
+GRID = ("cells_x", "cells_y", "baffle_count", "baffle_bottom", "baffle_top", "ribs")
 SHAPE = ("initial_wave", "initial_spectrum", "initial_seed", "initial_column", "initial_file")
 SOLVED = (*ACCELERATED, "tank_length", "tank_height", "fill_level", *PLACE, "liquid_density", "gas_density", "gravity",
           "surface_tension", *SHAPE, *GRID, "max_step", "tolerance")  # fmt: skip
 """What the pressure at the start is made of."""
-SURFACE = ("alpha", *SHAPE, "cells_x", "tank_length", "tank_height", "fill_level")
+SURFACE = ("alpha", *SHAPE, "cells_x", "tank_length", "tank_height", "fill_level", "ribs")
 """What the surface at the walls is made of at the start."""
 
 
@@ -47,7 +51,7 @@ def _force(name: str, text: str) -> Variable:
 
 
 class SloshVof(Slave):
-    """Two-phase flow (volume of fluid) in a rectangular tank, with baffles if wanted, that moves with a wing section."""
+    """Two-phase flow (volume of fluid) in a rectangular tank, with baffles and ribs if wanted, that moves with a wing section."""
 
     stop_time = 2.0
     step_size = 2e-3
@@ -73,6 +77,8 @@ class SloshVof(Slave):
         parameter("baffle_count", 0, "", "Thin vertical baffles at equal distances", min=0, max=16),
         parameter("baffle_bottom", Baffles.bottom, "1", "Their foot over the tank's height", min=0.0, max=1.0),
         parameter("baffle_top", Baffles.top, "1", "Their tip over the tank's height", min=0.0, max=1.0),
+        parameter("ribs", "", "", "Ribs: 'x=0.10 open=0.00:0.02,0.13:0.15; x=-0.1', x [m] aft of the tank's centre, "
+                  "openings [m] above the floor; without openings: compartments"),
         parameter("field_folder", "", "", "Folder for VTK files, written where write_fields is true (empty: none)"),
         *instruments.parameters(),
         prediction("motion"),
@@ -114,16 +120,17 @@ class SloshVof(Slave):
                 self.liquid_density, self.gravity,
             )  # fmt: skip
             baffles = Baffles(self.baffle_count, self.baffle_bottom, self.baffle_top)
-            grid = Grid(self.tank, self.cells_x, self.cells_y, baffles)
+            grid = Grid(self.tank, self.cells_x, self.cells_y, baffles, parse(self.ribs))
             fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
             numerics = Numerics(
                 self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer,
                 side_wall_omega=self.side_wall_omega,
             )  # fmt: skip
             self.flow = Flow(grid, fluids, numerics, instruments.probes(self.__dict__), self.probe_window)
-        except (TankError, GridError, FlowError) as error:
+        except (TankError, GridError, RibError, FlowError) as error:
             raise StepError(str(error)) from error
-        self.faraday = faraday.waves(self.tank, self.liquid_viscosity)
+        lengths = sorted({(last - first) * grid.dx if len(grid.rooms) > 1 else self.tank_length for first, last in grid.rooms})
+        self.faraday = [faraday.waves(replace(self.tank, length=length), self.liquid_viscosity) for length in lengths]
         self.instrumented = self.probe_count + self.gauge_count > 0
         weight = self.gas_density * (self.tank_height - self.tank.depth) * self.tank_length * self.tank_width * self.gravity
         self.gas = Load(0.0, -weight, weight * self.tank_x)  # at rest
@@ -143,7 +150,7 @@ class SloshVof(Slave):
             raise StepError(str(error)) from error
         self._publish(self.flow.start_from(level, self.motion))
         self.work, self.power = 0.0, power(self._load, self.motion)
-        self.wave_growth, self.waves = 0.0, faraday.still()
+        self.wave_growth, self.waves = 0.0, np.stack([faraday.still() for _ in self.faraday])
         self._write(self.time)
 
     def step(self, time: float, step_size: float) -> None:
@@ -154,7 +161,8 @@ class SloshVof(Slave):
         except FlowError as error:
             raise StepError(str(error)) from error
         before, after = (faraday.gravity_change(self.tank, motion) for motion in (self.motion, end))
-        self.wave_growth = float(faraday.grow(self.waves, before, after, step_size, self.faraday))
+        pairs = zip(self.waves, self.faraday, strict=True)
+        self.wave_growth = max(float(faraday.grow(grown, before, after, step_size, waves)) for grown, waves in pairs)
         self.motion, self.count = end, self.count + 1
         self._publish(report)
         before, self.power = self.power, power(self._load, self.motion)

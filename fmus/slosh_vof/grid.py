@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..tank.liquid import Tank
+from .ribs import Rib, faces, segments
 
 Array = NDArray[np.float64]
 
@@ -35,13 +37,14 @@ class Grid:
     """nx by ny equal cells in a tank; coordinates [m] in wing axes from the elastic axis.
 
     Raises GridError for fewer than 4 cells a side, and for baffles less than 4 cells apart, less than a cell high or from floor
-    to roof.
+    to roof, or on the face of a rib; RibError (`ribs`) for ribs that do not fit.
     """
 
     tank: Tank
     nx: int
     ny: int
     baffles: Baffles = Baffles()
+    ribs: tuple[Rib, ...] = ()
 
     def __post_init__(self) -> None:
         if min(self.nx, self.ny) < 4:
@@ -59,6 +62,10 @@ class Grid:
                 raise GridError(
                     "baffles from floor to roof make tanks of their own. Remedy: leave a cell open, or model one of them"
                 )
+        taken = {column for column, _, _ in self.plates} & {column for column, _ in self._rib_faces}
+        if taken:
+            x = (min(taken) + 1) * self.dx - 0.5 * self.tank.length
+            raise GridError(f"a baffle and a rib on one cell face, x={x:g} m. Remedy: another place of the rib, or no baffles")
 
     @property
     def stride(self) -> int:
@@ -107,6 +114,8 @@ class Grid:
         self.inner(face)[:, :-1] = 1.0
         for column, first, last in self.plates:
             self.inner(face)[first:last, column] = 0.0
+        for column, first, last in self.ribs_stand:
+            self.inner(face)[first:last, column] = 0.0
         return face
 
     @cached_property
@@ -123,3 +132,26 @@ class Grid:
         first, last = round(b.bottom * self.ny), round(b.top * self.ny)
         columns = [round((n + 1) * self.nx / (b.count + 1)) - 1 for n in range(b.count)]
         return [(column, first, last) for column in columns]
+
+    @cached_property
+    def _rib_faces(self) -> list[tuple[int, NDArray[np.bool_]]]:
+        return faces(self.ribs, self.tank, self.nx, self.ny)
+
+    @cached_property
+    def ribs_stand(self) -> list[tuple[int, int, int]]:
+        """Closed pieces of ribs, as `plates`; none of a rib that is open from floor to roof."""
+        return [(column, first, last) for column, closed in self._rib_faces for first, last in segments(closed)]
+
+    @cached_property
+    def bays(self) -> list[tuple[int, int]]:
+        """First column and column after the last between neighbouring ribs or walls, from west to east."""
+        return self._between([column for column, closed in self._rib_faces if closed.any()])
+
+    @cached_property
+    def rooms(self) -> list[tuple[int, int]]:
+        """The same of compartments, between ribs without openings."""
+        return self._between([column for column, closed in self._rib_faces if closed.all()])
+
+    def _between(self, columns: list[int]) -> list[tuple[int, int]]:
+        edges = [0, *(column + 1 for column in columns), self.nx]
+        return list(pairwise(edges))

@@ -1,4 +1,4 @@
-"""Loads of the two fluids on the tank: pressure and friction on walls and baffles.
+"""Loads of the two fluids on the tank: pressure and friction on walls, pressure on baffles and ribs.
 
 Pressure at a wall is that of the cell continued over half a cell by the body force. In cells that the interface crosses the wet
 and the dry part each have their own hydrostatic pressure from the interface on: the cell's one value would miss 1/2 ρ g Δy per
@@ -55,11 +55,35 @@ def _end(surface: Any, q: Any, rho: Any, k: int, g: float, dy: float, roof: bool
 
 
 @jit
-def wall_loads(state: Any, surface: Any, rho: Any, tau: Any, frame: Any, x: Any, y: Any, plates: Any, p: Any, out: Any) -> None:
+def _rib_loads(state: Any, surface: Any, rho: Any, frame: Any, x: Any, y: Any, plates: Any, p: Any, out: Any) -> float:
+    """Add the force of the pressures on both sides of ribs to that on plates; returns its moment. Each side is a wall."""
+    s, v = p.nx + 2, state[2]
+    gx, gy, spin, swirl, rate = frame[0], frame[1], frame[2], frame[3], frame[4]
+    moment = 0.0
+    for m in range(plates.shape[0]):
+        for j in range(plates[m, 1], plates[m, 2]):
+            k = (j + 2) * s + plates[m, 0] + 1
+            edge = x[k] + 0.5 * p.dx
+            g = -(gy + spin * edge + swirl * y[k])
+            across = gx - spin * y[k] + swirl * edge
+            push = 0.5 * p.dx * (across - rate * (v[k] + v[k - s]))
+            left = _side(surface, state[5], rho, k, g, p.dy, 1.0, push, p)
+            push = -0.5 * p.dx * (across - rate * (v[k + 1] + v[k + 1 - s]))
+            right = _side(surface, state[5], rho, k + 1, g, p.dy, 0.0, push, p)
+            force = (left - right) * p.dy
+            out[PLATES] += force
+            moment += y[k] * force
+    return moment
+
+
+@jit
+def wall_loads(state: Any, surface: Any, rho: Any, tau: Any, frame: Any, x: Any, y: Any, plates: Any, p: Any, out: Any,
+               ribs: Any = None) -> None:  # fmt: skip
     """Loads per metre of width in tank axes; moment about the elastic axis, nose-up. Pressure is 0 in the middle of the roof.
 
     out (11,): forces of the west, east, floor and roof walls' pressure (west and east along x, floor and roof along y), friction
-    along x and y, force on baffles along x, whole force along x and y, whole moment, pressure of the datum before the shift.
+    along x and y, force on baffles and ribs along x, whole force along x and y, whole moment, pressure of the datum before the
+    shift.
     """
     q = state[5]
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
@@ -113,6 +137,8 @@ def wall_loads(state: Any, surface: Any, rho: Any, tau: Any, frame: Any, x: Any,
             force = (left - right) * dy
             out[PLATES] += force
             moment += y[k] * force
+    if ribs is not None:
+        moment += _rib_loads(state, surface, rho, frame, x, y, ribs.plates, p, out)
     out[FORCE_X] = out[WEST] + out[EAST] + out[SHEAR_X] + out[PLATES]
     out[FORCE_Y] = out[FLOOR] + out[ROOF] + out[SHEAR_Y]
     out[MOMENT] = moment

@@ -68,6 +68,35 @@ def _across(flux: Any, w: Any, mass: Any, liquid: Any, per_density: float, first
 
 
 @jit
+def _along_ribs(flux: Any, w: Any, mass: Any, liquid: Any, per_density: float, plates: Any, s: int) -> None:
+    """`_along` of u again in the cells beside ribs, which see beyond them what they would beyond a wall."""
+    for m in range(plates.shape[0]):
+        for j in range(plates[m, 1], plates[m, 2]):
+            k = (j + 2) * s + plates[m, 0] + 1
+            through = 0.5 * (mass[k - 1] + mass[k])
+            share = liquid[k - 1] * liquid[k] * (1.0 - abs(through) * per_density)
+            flux[k] = _carried(through, w[k - 1], w[k], w[k - 2], 0.0, share)
+            through = 0.5 * (mass[k] + mass[k + 1])
+            share = liquid[k + 1] * liquid[k + 2] * (1.0 - abs(through) * per_density)
+            flux[k + 1] = _carried(through, w[k], w[k + 1], 0.0, w[k + 2], share)
+
+
+@jit
+def _across_ribs(flux: Any, w: Any, mass: Any, liquid: Any, per_density: float, plates: Any, ny: int, s: int) -> None:
+    """`_across` of v again through the nodes next to ribs: beyond a rib v is the same (slip)."""
+    for m in range(plates.shape[0]):
+        for j in range(max(plates[m, 1] - 1, 0), min(plates[m, 2], ny - 1)):
+            k = (j + 2) * s + plates[m, 0]
+            through = 0.5 * (mass[k] + mass[k + s])
+            share = liquid[k] * liquid[k + s] * liquid[k + 1] * liquid[k + s + 1] * (1.0 - abs(through) * per_density)
+            flux[k] = _carried(through, w[k], w[k + 1], w[k - 1], w[k + 1], share)
+            k += 2
+            through = 0.5 * (mass[k] + mass[k + s])
+            share = liquid[k] * liquid[k + s] * liquid[k + 1] * liquid[k + s + 1] * (1.0 - abs(through) * per_density)
+            flux[k] = _carried(through, w[k], w[k + 1], w[k], w[k + 2], share)
+
+
+@jit
 def _carry(acc: Any, w: Any, old: Any, new: Any, along: Any, across: Any, dt: float, first: int, n: int, a: int, b: int) -> None:
     """acc = gain of momentum by advection per time, less that of the mass at the old velocity."""
     out, wc = acc[first : first + n], w[first : first + n]
@@ -113,15 +142,20 @@ def _push(acc: Any, other: Any, open_face: Any, new: Any, x: Any, y: Any, force:
 @jit
 def component(acc: Any, w: Any, other: Any, open_face: Any, old: Any, new: Any, mass_a: Any, mass_b: Any, liquid: Any, mu: Any,
               tau: Any, x: Any, y: Any, force: Any, dt: float, ha: float, hb: float, per_density: float, along: Any, across: Any,
-              first: int, n: int, a: int, b: int) -> None:  # fmt: skip
+              first: int, n: int, a: int, b: int, ribs: Any = None) -> None:  # fmt: skip
     """Acceleration of one component without pressure.
 
     w, other: velocities; old, new: densities of cells before and after the step dt; mass_a, mass_b: mass through far faces in
     the step per cell volume; liquid: 1 in liquid cells; mu, tau: dynamic viscosity of cells, shear stress at nodes; ha, hb: cell
-    sizes along and across; per_density: 1/ρ_l; along, across: scratch.
+    sizes along and across; per_density: 1/ρ_l; along, across: scratch; ribs: `partition.Partition`, or None.
     """
     _along(along, w, mass_a, liquid, per_density, first, n + a, a)
     _across(across, w, mass_b, liquid, per_density, first - b, n + b, a, b)
+    if ribs is not None:
+        if a == 1:
+            _along_ribs(along, w, mass_a, liquid, per_density, ribs.plates, b)
+        else:
+            _across_ribs(across, w, mass_b, liquid, per_density, ribs.plates, n // a, a)
     _carry(acc, w, old, new, along, across, dt, first, n, a, b)
     _rub(acc, w, mu, tau, ha, hb, first, n, a, b)
     _push(acc, other, open_face, new, x, y, force, first, n, a, b)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..kit.cache import argument
 from ..kit.compiled import inline, jit
+from .partition import MINI, copy
 
 MIXED = 1e-6
 """Cells within this of empty or full count as such: the divergence that the pressure leaves shows in full cells."""
@@ -199,6 +200,27 @@ def _best_fit(c: Any, k: int, s: int, nx: int, ny: int, cells_at: Any, lines: An
 
 
 @jit
+def normal_at(c: Any, k: int, nx: int, ny: int, ribs: Any) -> tuple[float, float, bool]:
+    """`normal`, to which ribs (`partition.Partition`, or None) are walls."""
+    if ribs is not None and ribs.beside[k] != 0:
+        return normal(ribs.block, copy(c, k, nx, ny, ribs), MINI, MINI)
+    return normal(c, k, nx, ny)
+
+
+@jit
+def _best_fit_at(c: Any, k: int, nx: int, ny: int, surface: Any, ribs: Any) -> tuple[float, float]:
+    """`_best_fit`, likewise."""
+    s, at, lines = nx + 2, surface.at, surface.lines
+    if ribs is not None and ribs.beside[k] != 0:
+        centre = copy(c, k, nx, ny, ribs)
+        for row in range(-1, 2):
+            for column in range(-1, 2):
+                ribs.at[centre + row * (MINI + 2) + column] = at[k + row * s + column]
+        return _best_fit(ribs.block, centre, MINI + 2, MINI, MINI, ribs.at, lines)
+    return _best_fit(c, k, s, nx, ny, at, lines)
+
+
+@jit
 def fill_ghosts(c: Any, nx: int, ny: int) -> None:
     """Continue volume fractions linearly beyond the walls, in place: a straight interface meets a wall at any angle."""
     s = nx + 2
@@ -213,8 +235,11 @@ def fill_ghosts(c: Any, nx: int, ny: int) -> None:
 
 
 @jit
-def reconstruct(c: Any, nx: int, ny: int, surface: Any) -> int:
-    """Find the mixed cells and their lines, into `surface`; ghosts of c must be filled. Returns how many there are."""
+def reconstruct(c: Any, nx: int, ny: int, surface: Any, ribs: Any = None) -> int:
+    """Find the mixed cells and their lines, into `surface`; ghosts of c must be filled. Returns how many there are.
+
+    ribs: `partition.Partition`, or None.
+    """
     s = nx + 2
     cells, lines, at, doubts = surface.cells, surface.lines, surface.at, surface.doubts
     for m in range(surface.found[0]):
@@ -230,7 +255,7 @@ def reconstruct(c: Any, nx: int, ny: int, surface: Any) -> int:
     doubtful = 0
     for m in range(count):
         k = cells[m]
-        n_x, n_y, sure = normal(c, k, nx, ny)
+        n_x, n_y, sure = normal_at(c, k, nx, ny, ribs)
         lines[m, 0], lines[m, 1], lines[m, 2] = n_x, n_y, intercept(c[k], n_x, n_y)
         if sure:
             at[k] = m + 1
@@ -240,7 +265,7 @@ def reconstruct(c: Any, nx: int, ny: int, surface: Any) -> int:
     for n in range(doubtful):
         m = doubts[n]
         k = cells[m]
-        n_x, n_y = _best_fit(c, k, s, nx, ny, at, lines)
+        n_x, n_y = _best_fit_at(c, k, nx, ny, surface, ribs)
         lines[m, 0], lines[m, 1], lines[m, 2] = n_x, n_y, intercept(c[k], n_x, n_y)
     for n in range(doubtful):
         at[cells[doubts[n]]] = doubts[n] + 1
@@ -248,7 +273,10 @@ def reconstruct(c: Any, nx: int, ny: int, surface: Any) -> int:
         m = doubts[n]
         k = cells[m]
         row, column = k // s - 2, k % s - 1
-        if row == 0 or row == ny - 1 or column == 0 or column == nx - 1:
-            n_x, n_y = _best_fit(c, k, s, nx, ny, at, lines)
+        beside = False
+        if ribs is not None:
+            beside = ribs.beside[k] != 0
+        if row == 0 or row == ny - 1 or column == 0 or column == nx - 1 or beside:
+            n_x, n_y = _best_fit_at(c, k, nx, ny, surface, ribs)
             lines[m, 0], lines[m, 1], lines[m, 2] = n_x, n_y, intercept(c[k], n_x, n_y)
     return count

@@ -43,6 +43,8 @@ class Shape:
 def fractions(shape: Shape, grid: Grid, alpha: float) -> Array:
     """Volume fractions (ny, nx) of the shape in a tank pitched nose-up by alpha [rad]; column and file keep to the tank's axes.
 
+    Level surface and waves leave each compartment its fill; column and file count as they are given, whatever compartments.
+
     Raises ShapeError for a shape that leaves the tank, for two shapes at once and for a file that cannot be used.
     """
     if bool(shape.column) + bool(shape.file) + bool(shape.wave or shape.spectrum) > 1:
@@ -57,12 +59,13 @@ def fractions(shape: Shape, grid: Grid, alpha: float) -> Array:
     if not (shape.wave or shape.spectrum):
         return flat(grid, alpha)
     tank = grid.tank
+    most = 1 if len(grid.rooms) == 1 else 2  # the mean over a compartment is taken off
     names = {"initial_wave": shape.wave, "initial_spectrum": shape.spectrum}
     given = " and ".join(f"{name} = {value} m" for name, value in names.items() if value)
-    if abs(shape.wave) + abs(shape.spectrum) > min(tank.depth, tank.height - tank.depth):
+    if most * (abs(shape.wave) + abs(shape.spectrum)) > min(tank.depth, tank.height - tank.depth):
         raise ShapeError(
             f"{given} leaves the tank of height {tank.height} m filled to {tank.depth:.6g} m. "
-            "Remedy: give an amplitude that touches neither floor nor roof"
+            "Remedy: give an amplitude that touches neither floor nor roof" + (", in compartments half of it" if most > 1 else "")
         )
     sizes = np.zeros(MODES) if shape.spectrum == 0.0 else shape.spectrum * spectrum(shape.seed)
 
@@ -70,7 +73,7 @@ def fractions(shape: Shape, grid: Grid, alpha: float) -> Array:
         wave = shape.wave * np.cos(np.pi * x / tank.length)
         return wave if shape.spectrum == 0.0 else wave + _sum(sizes, x / tank.length)
 
-    return from_heights(grid, rise, alpha)
+    return from_heights(grid, rise, alpha, settled=True)
 
 
 def spectrum(seed: int) -> Array:

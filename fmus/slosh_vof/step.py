@@ -22,6 +22,7 @@ from .curvature import curvature
 from .forces import interface_forces
 from .momentum import LIQUID as FULL
 from .momentum import component, mirror, shear, wall_ghosts
+from .partition import settle, slip
 from .pressure import solve
 from .probes import sample
 from .side_walls import hold_back
@@ -182,12 +183,12 @@ def _extrapolate(q: Any, before: Any, ratio: float, n: int) -> None:
 
 @jit
 def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, frame: Any, places: Any, p: Any,
-               dt: float, tolerance: float, sides: Any) -> tuple[int, float]:  # fmt: skip
+               dt: float, tolerance: float, sides: Any, ribs: Any = None) -> tuple[int, float]:  # fmt: skip
     """Acceleration and pressure at the time of the volume fractions in `state`.
 
     Needs half-step velocities and their mass fluxes over dt in `work`. sides: friction of the side walls (`side_walls.Sides`), or
-    None: numba then compiles a kernel without it, whose results are to the bit those it had before. Returns iterations and the
-    residual over its limit.
+    None: numba then compiles a kernel without it, whose results are to the bit those it had before; ribs (`partition.Partition`)
+    likewise. Returns iterations and the residual over its limit.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -201,19 +202,21 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
     mirror(liquid, nx, ny)
     wall_ghosts(u, v, nx, ny, p.slip)
     shear(tau, u, v, mu, dx, dy, nx, ny, p.slip)
+    if ribs is not None:
+        slip(tau, places.open_x, ribs, nx, ny)
     if p.layer:
         wall_shear(tau, u, v, state[C], layers, p.liquid_density, p.liquid_viscosity, dx, dy, nx, ny, dt)
     force = (frame[0] + 0.5 * dx * frame[3], frame[3], -frame[2], -2.0 * frame[4])
     component(ax, u, v, places.open_x, old, rho, work[MASS_X], work[MASS_Y], liquid, mu, tau, places.x, places.y, force, dt, dx,
-              dy, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, 1, s)  # fmt: skip
+              dy, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, 1, s, ribs)  # fmt: skip
     force = (frame[1] + 0.5 * dy * frame[3], frame[2], frame[3], 2.0 * frame[4])
     component(ay, v, u, places.open_y, old, rho, work[MASS_Y], work[MASS_X], liquid, mu, tau, places.x, places.y, force, dt, dy,
-              dx, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1)  # fmt: skip
+              dx, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1, ribs)  # fmt: skip
     if sides is not None:
         hold_back(ax, u, places.open_x, state[C], rho, p, sides, first, n, 1)
         hold_back(ay, v, places.open_y, state[C], rho, p, sides, first, n, s)
     if p.surface_tension > 0.0:
-        curvature(state[C], surface, dx, dy, nx, ny)
+        curvature(state[C], surface, dx, dy, nx, ny, ribs)
     interface_forces(ax, ay, state[C], rho, places.open_x, places.open_y, surface, places.x, places.y, frame,
                      p.liquid_density - p.gas_density, p.surface_tension, dx, dy, s)  # fmt: skip
     _conductance(work[KX], rho, places.open_x, dy / dx, p.liquid_density, first, n, 1)
@@ -224,17 +227,19 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
     _divergence(work[RHS], ax, ay, u, v, 1.0 / time, dx, dy, first, n, s)
     limit = tolerance / time**2 * dx * dy
     iterations, left = solve(q, work[RHS], work[KX], work[KY], limit, p.most_iterations, places.levels, coarse, work[:3])
+    if ribs is not None:
+        settle(q, state[C], ribs, nx, ny)
     return iterations, left
 
 
 @jit
 def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes: Any, course: Any, duration: float,
-            places: Any, p: Any, sides: Any, watch: Any) -> int:  # fmt: skip
+            places: Any, p: Any, sides: Any, watch: Any, ribs: Any = None) -> int:  # fmt: skip
     """Advance the flow by `duration` [s] in a frame that follows `course`; in place. Returns OK or what went wrong.
 
     notes (7,): last time step, steps, iterations, steps whose pressure did not converge, worst residual over its limit, which
     sweep comes first, and the largest Courant number per second: read and kept. Probes
-    of `watch` are read after every internal step; None for none.
+    of `watch` are read after every internal step; None for none, as of `sides` and `ribs`.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -260,7 +265,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
             if dt < SMALLEST_STEP:
                 return TOO_SMALL
         advect(state[C], work[NEW], work[MIDDLE], work[NU_X], work[NU_Y], work[FLUX_X], work[FLUX_Y], surface, nx, ny,
-               notes[Y_FIRST] > 0.0)  # fmt: skip
+               notes[Y_FIRST] > 0.0, ribs)  # fmt: skip
         notes[Y_FIRST] = 1.0 - notes[Y_FIRST]
         _mass(work[MASS_X], work[NU_X], work[FLUX_X], p, first, n)
         _mass(work[MASS_Y], work[NU_Y], work[FLUX_Y], p, first, n)
@@ -270,7 +275,8 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
         frame_force(course, done / duration, p.gravity, frame)
         ratio = dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0
         _extrapolate(state[Q], state[Q_BEFORE], ratio if ratio < FARTHEST else 0.0, state.shape[1])
-        iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance, sides)
+        iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance, sides,
+                                          ribs)  # fmt: skip
         if not math.isfinite(residual):
             return NOT_FINITE
         fastest = _project(state[AX], state[U], work[U_HALF], state[Q], work[KX], dy, dt, first, n, 1) / dx

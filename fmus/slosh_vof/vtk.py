@@ -15,7 +15,8 @@ def write(folder: Path, number: int, flow: Flow, motion: SectionMotion, time: fl
     """Write fields_<number>.vts of the flow at `time` [s] and `motion`; folder is made where missing. Returns the path.
 
     Cells: volume_fraction of liquid, pressure [Pa] above that in the middle of the roof, velocity [m/s] relative to the tank
-    along inertial axes, density [kg/m3]. Whole file: TimeValue [s], baffles [m] (2, 3) each, foot and tip, where there are any.
+    along inertial axes, density [kg/m3]. Whole file: TimeValue [s], baffles [m] (2, 3) each, foot and tip of baffles and of
+    closed pieces of ribs, where there are any.
     """
     folder.mkdir(parents=True, exist_ok=True)
     grid = flow.grid
@@ -33,6 +34,6 @@ def write(folder: Path, number: int, flow: Flow, motion: SectionMotion, time: fl
         "density": flow.fluids.gas_density + (grid.tank.density - flow.fluids.gas_density) * share,
     }
     fields = {"TimeValue": np.array([time])}
-    if grid.plates:
-        fields["baffles"] = np.concatenate([points[[first, last], column + 1] for column, first, last in grid.plates])
+    if plates := grid.plates + grid.ribs_stand:
+        fields["baffles"] = np.concatenate([points[[first, last], column + 1] for column, first, last in plates])
     return structured_grid(folder / f"fields_{number:06d}.vts", points, cells, fields)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -140,11 +141,17 @@ class Tank:
     @property
     def static_stiffness(self) -> float:
         """Pitch stiffness of the liquid at rest [N/rad per metre of span]; one that moves keeps its surface level, which takes
-        rho g L^3 w / 12 of it, as in a ship's tank; baffles from the bottom through the surface make shorter tanks of it."""
+        rho g L^3 w / 12 of it, as in a ship's tank; baffles from the bottom through the surface and ribs without openings make
+        shorter tanks of it."""
         s, baffles = self._settings, self._parameters
         level = 0.0 if s.model == "frozen" else s.liquid_density * s.gravity * s.tank_length**3 * s.tank_width / 12.0
         parted = baffles.get("baffle_bottom", 0.0) == 0.0 and float(baffles.get("baffle_top", 0.5)) >= s.fill_level
         level /= (int(baffles.get("baffle_count", 0)) + 1) ** 2 if parted else 1
+        # the FMU has read the text, and refused what it cannot: "x=0.1 open=0:0.02; x=-0.1", closed where nothing is open
+        ribs = [part for part in str(baffles.get("ribs", "")).split(";") if part.strip() and "open=" not in part]
+        closed = sorted(float(part.strip().removeprefix("x=")) / s.tank_length for part in ribs)
+        if closed:
+            level *= sum((east - west) ** 3 for west, east in pairwise([-0.5, *closed, 0.5]))
         return self.liquid.stiffness - level
 
     def _disturbance(self, seed: int) -> dict[str, Any]:

@@ -78,7 +78,12 @@ POINTS: dict[str, list[dict[str, Any]]] = {
         for count, top, wave in ((6, 0.4, 0.01), (6, 0.8, 0.0), (4, 0.4, 0.0), (3, 0.4, 0.0), (2, 0.4, 0.0), (1, 0.4, 0.0))
     ],
 }  # fmt: skip
-TEXTS = {"airfoil": ["NACA 0012"], "network": ["ems", "bilinear"], "initial_file": SURFACES}
+TEXTS = {
+    "airfoil": ["NACA 0012"],
+    "ribs": ["x=0", "x=-0.05 open=0:0.06,0.12:0.15; x=0.1"],
+    "network": ["ems", "bilinear"],
+    "initial_file": SURFACES,
+}
 
 
 def others(name: str, variable: Any, value: Any) -> list[Any]:

@@ -15,6 +15,7 @@ from fmpy.validation import validate_fmu
 from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids, Numerics
 from aeroslosh.fmus.slosh_vof.grid import Grid
 from aeroslosh.fmus.slosh_vof.probes import Probe
+from aeroslosh.fmus.tank import faraday
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import modes
 from aeroslosh.fmus.tank.motion import SectionMotion
@@ -52,7 +53,7 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
               "wall_slip", "wall_layer", "motion_prediction", "surface_tension",
               "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder", "probe_count",
               "probe_window", "gauge_count", "side_wall_omega",
-              "initial_column", "initial_spectrum", "initial_seed", "initial_file"}  # fmt: skip
+              "initial_column", "initial_spectrum", "initial_seed", "initial_file", "ribs"}  # fmt: skip
     wanted |= {f"probe{n}_{name}" for n in range(1, 7) for name in ("x", "y", "extent")} | {f"gauge{n}_x" for n in range(1, 5)}
     assert kinds["input"] == motion
     assert kinds["output"] == loads
@@ -249,6 +250,39 @@ def test_rollback_and_restart_in_a_new_process_are_exact_to_the_bit(fmu: Fmu, ho
     assert host("vof_resume", path, 5e-3, kept) == first
 
 
+def test_ribs_are_part_of_the_state(fmu: Fmu, host: Host, tmp_path: Path) -> None:
+    """A compartment and a slotted rib, carried by the bytes into an instance that never heard of them."""
+    kept, path = str(tmp_path / "state"), str(fmu("slosh_vof"))
+    values = {"cells_x": 40, "cells_y": 20, "tank_x": 0.3, "ribs": "x=-0.05; x=0.1 open=0:0.02,0.13:0.15"}
+    seen = host("vof_rollback", path, values, 5e-3, kept)
+    assert seen["runs"][0] == seen["runs"][1] == seen["runs"][2]
+    assert host("vof_resume", path, 5e-3, kept) == seen["runs"][0]
+
+
+def test_ribs_make_the_loads_of_their_flow(fmu: Fmu, host: Host) -> None:
+    """Closed in the middle: the waves of half tanks, calmer than those of the whole; wave growth by the shorter lengths."""
+    waves = {"h": [2e-3, 20.0, 0.0], "alpha": [0.02, 6.0, 0.0]}
+    names = ["force_x", "moment_residual", "work", "wave_growth", "force_west"]
+    runs = [
+        np.array(host("vof_steps", str(fmu("slosh_vof")), {**BOX, "ribs": text}, waves, [[0.01, 60]], names)[0])
+        for text in ("", "x=0 open=0:0.15", "x=0", "x=0.07; x=-0.1")
+    ]
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert np.ptp(runs[2][:, 1]) < 0.5 * np.ptp(runs[0][:, 1])
+    assert np.abs(runs[3][:, 0] - runs[2][:, 0]).max() > 0.01 * np.ptp(runs[2][:, 0])
+    half = Tank(0.25, 0.15, gravity=9.81)
+    waves_of_half, grown, growth = faraday.waves(half, 1e-6), faraday.still(), []
+    for k in range(60):
+        change = [
+            faraday.gravity_change(half, SectionMotion(0.0, 0.0, -2e-3 * 20.0**2 * math.sin(20.0 * t), alpha, 0.0, 0.0))
+            for t in (0.01 * k, 0.01 * (k + 1))
+            for alpha in (0.02 * math.sin(6.0 * t),)
+        ]
+        growth.append(faraday.grow(grown, *change, 0.01, waves_of_half))
+    np.testing.assert_allclose(runs[2][1:, 3], growth, rtol=0.02, atol=1e-4)
+    assert np.abs(runs[2][:, 3] - runs[0][:, 3]).max() > 1e-3
+
+
 def test_tanks_of_one_process_do_not_disturb_each_other_and_a_baffle_counts(fmu: Fmu, host: Host) -> None:
     shallow, deep, baffled, alone = host("vof_family", str(fmu("slosh_vof")))
     assert shallow == alone
@@ -276,6 +310,11 @@ def test_bad_parameters_are_clear_errors(fmu: Fmu, host: Host) -> None:
         ({"baffle_count": 10}, ["10 baffles in 32 cells", "at least 44"]),
         ({"baffle_count": 1, "baffle_top": 0.0}, ["baffles from 0 to 0", "Remedy"]),
         ({"baffle_count": 1, "baffle_top": 1.0}, ["from floor to roof", "Remedy"]),
+        ({"ribs": "x=0.3"}, ["x=0.3 m lies outside the tank", "Remedy"]),
+        ({"ribs": "x=0; x=0.001"}, ["x=0 and x=0.001 m stand on one cell face", "Remedy"]),
+        ({"ribs": "x=0 open=0:0.004"}, ["lower than a cell", "cells_y = 38"]),
+        ({"ribs": "x=0", "baffle_count": 1}, ["a baffle and a rib on one cell face"]),
+        ({"ribs": "middle"}, ["'middle'", "Remedy"]),
         ({"probe_count": 7}, ["'probe_count' = 7", "at most 6"]),
         ({"probe_count": 2, "probe2_x": 0.6}, ["probe2_x = 0.6 m lies outside", "from 0 to 0.5 m"]),
         ({"probe_count": 1, "probe1_y": 0.2}, ["probe1_y = 0.2 m lies outside", "Remedy"]),
@@ -330,8 +369,11 @@ def test_fields_are_written_on_request(fmu: Fmu, host: Host, tmp_path: Path) -> 
     c, s = math.cos(0.02), math.sin(0.02)
     x, y = 0.05, -0.075
     np.testing.assert_allclose([later.x[0, 0], later.y[0, 0]], [0.1 + x * c + y * s, -0.01 - x * s + y * c], atol=1e-7)
-    foot, tip = later.whole["baffles"]
+    foot, tip, rib_foot, rib_tip = later.whole["baffles"]
     np.testing.assert_allclose(tip[:2] - foot[:2], [0.075 * s, 0.075 * c], atol=1e-12)
     np.testing.assert_allclose(foot[:2], [0.1 + 0.3 * c + y * s, -0.01 - 0.3 * s + y * c], atol=1e-12)
+    # a rib 0.125 m aft of the tank's centre, with a slot on the roof
+    np.testing.assert_allclose(rib_foot[:2], [0.1 + 0.425 * c + y * s, -0.01 - 0.425 * s + y * c], atol=1e-12)
+    np.testing.assert_allclose(rib_tip[:2] - rib_foot[:2], [0.15 * 12 / 16 * s, 0.15 * 12 / 16 * c], atol=1e-12)
     assert later.cells["velocity"].shape == (16, 32, 3)
     assert 0.0 < np.abs(later.cells["velocity"]).max() < 100.0

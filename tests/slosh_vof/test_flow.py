@@ -15,6 +15,7 @@ from aeroslosh.fmus.slosh_vof.surface import flat, from_heights
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.fmus.tank.modes import lid_inertia
 from aeroslosh.fmus.tank.motion import SectionMotion, at, body_force, course
+from support.momentum import momentum_gap
 from support.motions import REST, Course, harmonic, march
 
 WATER = 0.5 * 0.075 * 1000.0
@@ -115,40 +116,6 @@ def test_volume_and_bounds() -> None:
         assert flow.fractions.max() < 1.0 + most
 
 
-def momentum_gap(motion: Course, duration: float, h: float) -> np.ndarray:
-    """Root mean square difference of the walls' force to the fluid's change of momentum, over the force's std; tank axes.
-
-    Momentum at half steps, as the solver conserves it.
-    """
-    flow = Flow(Grid(Tank(0.5, 0.15), 100, 30), numerics=Numerics(max_step=h))
-    flow.start(motion(0.0))
-    grid, inner = flow.grid, flow.grid.inner
-    x, y, area = inner(grid.x), inner(grid.y), grid.dx * grid.dy
-    momenta, bodies, forces = [], [], []
-    for k in range(round(duration / h) + 1):
-        m = motion(k * h)
-        if k:
-            flow.advance(motion((k - 1) * h), m, h)
-        rho = inner(flow.work[step.RHO])
-        at_u, at_v = 0.5 * area * (rho[:, 1:] + rho[:, :-1]), 0.5 * area * (rho[1:] + rho[:-1])
-        u, v, au, av = (inner(flow.state[row]) for row in (step.U, step.V, step.AX, step.AY))
-        momenta.append([(at_u * (u + 0.5 * h * au)[:, :-1]).sum(), (at_v * (v + 0.5 * h * av)[:-1]).sum()])
-        down, sin, cos = 9.81 - m.h_ddot, math.sin(m.alpha), math.cos(m.alpha)
-        body_x = down * sin - m.x_ddot * cos - y * m.alpha_ddot + x * m.alpha_dot**2
-        body_y = -down * cos - m.x_ddot * sin + x * m.alpha_ddot + y * m.alpha_dot**2
-        turn = 2.0 * m.alpha_dot
-        bodies.append(
-            [
-                (rho * body_x).sum() * area - turn * (at_v * v[:-1]).sum(),
-                (rho * body_y).sum() * area + turn * (at_u * u[:, :-1]).sum(),
-            ]
-        )
-        forces.append(flow.loads(m)[3:5])
-    wall = np.array(forces)[1:]
-    gap = wall - (np.array(bodies)[1:] - np.diff(np.array(momenta), axis=0) / h)
-    return np.asarray(np.sqrt(np.mean(gap**2, axis=0)) / np.std(wall, axis=0))
-
-
 @pytest.mark.parametrize(
     ("motion", "duration", "h", "most"),
     [
@@ -159,7 +126,7 @@ def momentum_gap(motion: Course, duration: float, h: float) -> np.ndarray:
     ids=["gentle", "violent", "impact"],
 )
 def test_walls_carry_the_change_of_momentum(motion: Course, duration: float, h: float, most: float) -> None:
-    gap = momentum_gap(motion, duration, h)
+    gap = momentum_gap(Flow(Grid(Tank(0.5, 0.15), 100, 30), numerics=Numerics(max_step=h)), motion, duration, h)
     print(f"wall against momentum: x {gap[0]:.1e}, y {gap[1]:.1e}")
     assert gap[0] < most
 

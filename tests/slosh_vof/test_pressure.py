@@ -10,6 +10,7 @@ import scipy.sparse.linalg
 from aeroslosh.fmus.slosh_vof.grid import Grid
 from aeroslosh.fmus.slosh_vof.multigrid import plan, set_up, v_cycle
 from aeroslosh.fmus.slosh_vof.pressure import solve
+from aeroslosh.fmus.slosh_vof.ribs import parse
 from aeroslosh.fmus.tank.liquid import Tank
 
 
@@ -71,6 +72,26 @@ def test_against_a_direct_solution(nx: int, ny: int, length: float, height: floa
     difference = grid.inner(q) - wanted
     difference -= difference.mean()
     assert np.abs(difference).max() < 1e-6 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize(
+    ("ribs", "most"), [("x=0", 25), ("x=-0.115; x=0.065", 40), ("x=0.065 open=0:0.02,0.13:0.15; x=-0.105 open=0.05:0.06", 40)]
+)
+def test_ribs_against_a_direct_solution(ribs: str, most: int) -> None:
+    """On faces that coarse levels join cells across, too; each compartment up to a constant of its own."""
+    grid = Grid(Tank(0.5, 0.15), 100, 30, ribs=parse(ribs))
+    kx, ky = conductances(grid, 833.0, 1)
+    wanted = np.cumsum(np.random.default_rng(2).standard_normal((30, 100)), axis=0)
+    rhs, q = grid.zeros(), grid.zeros()
+    grid.inner(rhs)[:] = (matrix(grid, kx, ky) @ wanted.ravel()).reshape(30, 100)
+    levels, length = plan(100, 30, grid.dx, grid.dy)
+    coarse = np.zeros((7, length), dtype=np.float32)
+    iterations, left = solve(q, rhs, kx, ky, 1e-10 * np.abs(rhs).max(), 200, levels, coarse, np.zeros((3, grid.size)))
+    print(ribs, iterations)
+    assert left <= 1.0 and iterations <= most
+    for first, last in grid.rooms:
+        difference = grid.inner(q)[:, first:last] - wanted[:, first:last]
+        assert np.abs(difference - difference.mean()).max() < 1e-6 * np.abs(wanted).max()
 
 
 def test_the_preconditioner_is_symmetric_and_positive() -> None:

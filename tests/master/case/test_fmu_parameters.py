@@ -13,7 +13,7 @@ from aeroslosh.master.base.errors import AeroSloshError, ExitCode
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case import fmu_parameters, fuel_tank
 from aeroslosh.master.case.case import Case
-from aeroslosh.master.fmi.component import Component
+from aeroslosh.master.fmi.component import Component, ComponentError
 from aeroslosh.master.sweeps import parameters, plan
 
 HEAD = """\
@@ -94,7 +94,32 @@ def test_baffles_through_the_surface_stiffen_the_liquid_at_rest(tmp_path: Path, 
     assert found[2] == found[0]  # drowned ones let the surface stay level
 
 
+RIBS = HEAD + '[slosh.parameters]\nribs = "x=0.05; x=-0.15 open=0.00:0.03,0.12:0.15"\n'
+
+
+def test_ribs_reach_the_tank_and_closed_ones_stiffen_it(tmp_path: Path, fmus: dict[str, Path]) -> None:
+    """Compartments of 0.3 and 0.2 of half a metre."""
+    found = []
+    for text in (HEAD, RIBS):
+        case = loaded(tmp_path, text)
+        fmu_parameters.check(case, fmus)
+        tank = fuel_tank.Tank(case.slosh, fmus)
+        found.append((tank.moving.get("ribs") if tank.moving else None, tank.liquid.stiffness - tank.static_stiffness))
+        tank.close()
+    assert [ribs for ribs, _ in found] == ["", "x=0.05; x=-0.15 open=0.00:0.03,0.12:0.15"]
+    assert found[1][1] == pytest.approx(found[0][1] * (0.6**3 + 0.4**3))
+    with pytest.raises(ComponentError, match=r"x=0.3 m lies outside the tank"):
+        fuel_tank.Tank(loaded(tmp_path, RIBS.replace("x=0.05", "x=0.3")).slosh, fmus)
+
+
+@pytest.mark.parametrize("model", ["ems", "frozen", "rbf"])
+def test_models_without_ribs_refuse_them(tmp_path: Path, fmus: dict[str, Path], fmu: Callable[[str], Path], model: str) -> None:
+    said = refused(tmp_path, fmus | {"slosh_rbf": fmu("slosh_rbf")}, RIBS, f"slosh.model={model}")
+    assert "has no parameter 'ribs'" in said and "--set 'slosh.parameters={}'" in said
+
+
 WRONG = [
+    ("slosh", "ribs = 0.1", "ribs has the wrong type: 0.1", 'give a text in "quotes"'),
     ("slosh", "baffle_cout = 2", "slosh_vof.fmu has no parameter 'baffle_cout'", "did you mean 'baffle_count'?"),
     ("slosh", "baffle_count = 2.5", "baffle_count has the wrong type: 2.5", "give a whole number from 0 to 16"),
     ("slosh", 'baffle_count = "two"', 'wrong type: "two"', "give a whole number"),

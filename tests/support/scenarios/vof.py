@@ -122,7 +122,8 @@ def vof_bad_inputs(path: str, cases: list[list[Any]]) -> Any:
 
 def vof_fields(path: str, folder: str) -> Any:
     """Write VTK files at the start and on the second of three steps; refuse without a folder."""
-    tank = Instance(path).start(**BOX, field_folder=folder, write_fields=True, tank_x=0.3, baffle_count=1)
+    tank = Instance(path).start(**BOX, field_folder=folder, write_fields=True, tank_x=0.3, baffle_count=1,
+                                ribs="x=0.125 open=0.1125:0.15")  # fmt: skip
     for i in range(3):
         tank["write_fields"] = i == 1
         tank["h"], tank["x"], tank["alpha"] = 0.01 * i, 0.1 * i, 0.02 * i
