@@ -29,6 +29,8 @@ SUSPECT = 1e-3, 10.0, 5.0  # a smaller one may yet: share, share over residual, 
 HARMONIC = 0.005  # relative distance from a multiple of a stronger mode's pole within which a weaker one is its harmonic
 CLOSE = 0.03  # relative distance in frequency within which two poles may be one mode that changes with its amplitude
 FORECAST_SHARE = 2e-3  # a pole with less may be left out of a forecast
+MAIN = 2.0  # times the share of every pole whose rate is known: the motion itself, however badly its own is
+GROWN, PARTLY = 0.02, 0.05  # growth rate of such a motion at least, and that over a smaller part's
 DEAD = 0.05  # of the whole rms: what is left of a motion that has died
 SAMPLES = 1500  # longer signals are thinned to this many for the fit
 
@@ -156,29 +158,37 @@ def _critical(modes: list[Mode], reals: list[Mode]) -> Mode:
     """The least stable pole that counts and whose rate is known: an oscillation, unless a real pole grows more."""
     own = [m for m in modes if not _harmonic(m, modes)]
     known = [m for m in own if m.share >= VISIBLE and m.growth_rate_std < 0.05]
-    best = max(known or own, key=lambda m: m.growth_rate if known else m.share, default=None)
+    best: Mode | None
+    strongest = max(own, key=lambda m: m.share, default=None)
+    if strongest is not None and all(strongest.share > MAIN * m.share for m in known):
+        best = strongest  # a rate badly known of nearly all that moves tells more than a good one of next to nothing
+    else:
+        best = max(known, key=lambda m: m.growth_rate, default=None)
     if best is not None and best.growth_rate > 0.0:  # growing all of them: what is read of it is the strongest
-        best = max((m for m in known if close(m, best) and m.growth_rate > 0.0), key=lambda m: m.share, default=best)
+        alike = [m for m in known if m.growth_rate > 0.0 and (close(m, best) or _outgrown(best, m))]
+        best = max(alike, key=lambda m: m.share, default=best)
     rising = [m for m in reals if m.share >= VISIBLE and m.growth_rate > SUSPECT[2] * m.growth_rate_std]
     real = max(rising if best is not None else reals, key=lambda m: m.growth_rate, default=None)
-    if best is None or (real is not None and real.growth_rate > max(best.growth_rate, 0.0)):
+    if best is None:
         assert real is not None  # a solution has poles
         return real
-    return best
+    return real if real is not None and real.growth_rate > max(best.growth_rate, 0.0) and not _outgrown(real, best) else best
+
+
+def _outgrown(small: Mode, strong: Mode) -> bool:
+    """Whether `small` may make up for what exponentials miss where a motion, `strong`, grows out of linear response: harmonics,
+    the mean, a rate that changes. The verdict is the strong one's then, which surely grows, by GROWN at least."""
+    sure = strong.growth_rate > max(GROWN, PARTLY * small.growth_rate, SUSPECT[2] * strong.growth_rate_std)
+    return sure and strong.share > MAIN * small.share
 
 
 def _harmonic(mode: Mode, modes: list[Mode]) -> bool:
     """Whether `mode` is what a nonlinear response adds at twice or three times a stronger mode's pole.
 
-    A mode that changes with its amplitude shows as several close poles: its harmonics lie among their multiples. Of a motion that
-    grows out of linear response they need not grow at twice or three times its rate: any faster one counts."""
+    A mode that changes with its amplitude shows as several close poles: its harmonics lie among their multiples."""
     for other in modes:
         if other.share <= 5.0 * mode.share:
             continue
-        if other.growth_rate > SUSPECT[2] * other.growth_rate_std and mode.growth_rate > other.growth_rate:
-            turns = mode.frequency / other.frequency
-            if any(abs(turns - n) < CLOSE * n for n in (2, 3)):
-                return True
         own = [m for m in modes if close(m, other) and m.share > mode.share]
         frequencies, rates = [m.frequency for m in own], [m.growth_rate for m in own]
         for n in (2, 3):

@@ -127,7 +127,7 @@ def _static(fit: Fit, critical: Mode, rate: float, doubt: float, stiffness: floa
     """A section that diverges statically, or whose response grows without oscillating."""
     steady = "" if math.isnan(stiffness) else f"the steady flow leaves {stiffness:+.3f} of the pitch stiffness"
     sure = stiffness < -SURE_STIFFNESS
-    if critical.frequency and rate > doubt and settled:
+    if critical.frequency and doubt < rate < critical.frequency and settled:  # a quicker one does not live to oscillate
         return Judgement(Verdict.FLUTTER, f"the free response grows at {rate:+.5f} omega_alpha; {steady}", True, fit)
     if critical.frequency:  # growth not seen yet, or not alone
         return Judgement(Verdict.DIVERGENCE, f"{steady}: the section diverges statically", True, fit)

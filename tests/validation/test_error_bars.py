@@ -32,7 +32,12 @@ FLOWS = [  # airfoil, axis in half chords, Mach number
     ("NACA 0012", 0.4, 0.5),
     ("NACA 0012", 0.4, 0.75),
     ("NACA 2412", 0.3, 0.6),
-]
+    ("NACA 64A010", -0.5, 0.825),
+    ("NACA 64A010", -0.5, 0.85),
+    ("NACA 64A010", -0.5, 0.875),
+    ("NACA 0012", 0.4, 0.8),
+    ("NACA 2412", 0.3, 0.72),
+]  # the last five were marched after all rules were made
 SECTIONS = [  # x_alpha, r2_alpha, frequency ratio, mass ratio
     (1.8, 3.48, 1.0, 60.0),
     (0.25, 0.75, 1.0, 75.0),

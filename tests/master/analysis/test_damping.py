@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from aeroslosh.master.analysis.damping import Fit, analyse
+from aeroslosh.master.analysis.damping import Fit, Mode, _critical, analyse
 from aeroslosh.master.analysis.verdict import Verdict, describes, judge
 
 STEPS, CYCLES = 50, 5
@@ -195,6 +197,19 @@ def test_a_harmonic_may_grow_faster_than_twice_its_mode() -> None:
     assert fit.growth_rate == pytest.approx(0.088, abs=1e-3) and fit.frequency == pytest.approx(0.555, abs=1e-3)
     decaying = 0.01 * np.exp(-0.02 * t) * np.array([np.cos(0.555 * t), 1.3 * np.cos(0.555 * t - 0.7)])
     assert fitted(t, decaying + small).growth_rate == pytest.approx(0.331, abs=0.01)  # nothing grows that could make it
+
+
+def test_the_motion_itself_is_critical_however_badly_its_rate_is_known() -> None:
+    """As of fuel that breaks between ribs: two close oscillations whose rates have large error bars make the motion, and a part
+    of three percent, quickly damped and well known, is not its growth rate."""
+    modes = [
+        Mode(rate, frequency, np.ones(2, complex), share, std, 0.001)
+        for rate, frequency, share, std in ((-0.181, 5.32, 0.03, 0.01), (-0.0227, 0.8865, 1.01, 0.06), (0.037, 0.957, 0.12, 0.08))
+    ]
+    assert _critical(modes, []).growth_rate == -0.0227
+    known = [replace(m, growth_rate_std=0.01) for m in modes]
+    assert _critical(known, []).growth_rate == 0.037
+    assert _critical([modes[0], replace(modes[1], share=0.05)], []).growth_rate == -0.181  # not much more than the known one
 
 
 def test_a_mode_that_outgrows_linear_motion_is_read_by_its_strongest_pole() -> None:
