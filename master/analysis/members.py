@@ -71,12 +71,14 @@ class Ensemble:
         """The verdict on the mean; `band`: growth rates below it are called neutral."""
         verdicts = {m.verdict for m in self.members}
         said = f"{len(self.members)} members: growth rate {self.mean:+.5f} ± {self.error:.5f}, one march ± {self.sd:.5f}"
+        if not math.isfinite(self.error):
+            said = f"{len(self.members)} members: {len(self.known)} of them with a growth rate of the same mode, no mean"
         if len(verdicts) == 1 and Verdict.UNDETERMINED not in verdicts:
             return Judgement(next(iter(verdicts)), f"all of {said}", True, None)
         if Verdict.DIVERGENCE in verdicts:
             return Judgement(Verdict.UNDETERMINED, f"{said}: divergence in some of them", False, None, MORE_MEMBERS)
         if not math.isfinite(self.error):
-            return Judgement(Verdict.UNDETERMINED, f"{said}: too few growth rates", False, None, MORE_MEMBERS)
+            return Judgement(Verdict.UNDETERMINED, said, False, None, MORE_MEMBERS)
         if abs(self.mean) > SURE * self.error:
             return Judgement(Verdict.FLUTTER if self.mean > 0.0 else Verdict.DAMPED, f"mean of {said}", True, None)
         if abs(self.mean) + SURE * self.error <= band:

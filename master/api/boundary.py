@@ -9,6 +9,7 @@ import tempfile
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +87,13 @@ class Boundary:
         """Growth rate, frequency (over omega_alpha) and damping g of every mode of the linear model over V_f, a row each: mach,
         mode, V_f, growth_rate, frequency, damping; at one `V_f` by linear interpolation, at one `mach` where it is given.
 
-        Empty where the boundary was searched by marches alone."""
+        Empty where the boundary was searched by marches alone. Raises AeroSloshError for a Mach number that was not searched."""
+        for name, value in (("V_f", V_f), ("mach", mach)):
+            if value is not None and not isinstance(value, Real):
+                raise AeroSloshError(f"{name} = {value!r}", "Boundary.modes", "one number, or None for all")
+        searched = [p["mach"] for p in self.data["points"]]
+        if mach is not None and mach not in searched:
+            raise AeroSloshError(f"mach = {mach:g}", "Boundary.modes", f"one of those searched: {', '.join(map(str, searched))}")
         columns = ("mach", "mode", "V_f", "growth_rate", "frequency", "damping")
         rows = []
         for p in self.data["points"]:

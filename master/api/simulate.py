@@ -49,9 +49,7 @@ def simulate(
     parameters  variable → value, set before it starts; `step` [s]: resample the table to equal steps
 
     Raises AeroSloshError for a column that is no input and a value that fits no parameter, ComponentError when the FMU fails."""
-    path = Path(fmu)
-    if not path.is_file() and not path.suffix:
-        path = _own(path.name, fmus)
+    path = installed.named(Path(fmu), None if fmus is None else Path(fmus))
     driven = table_drive.read(Path(table)) if isinstance(table, str | os.PathLike) else _table(table)
     if step is not None:
         driven = driven.resampled(step)
@@ -194,17 +192,6 @@ def write(assembly: Assembly, ran: Ran, folder: RunFolder) -> None:
 
         nothing = Table(ran.result.time, [], np.zeros((ran.result.time.size, 0)))
         picture.draw(folder.path / "histories.png", nothing, {"time": ran.result.time, **ran.result.outputs}, ran.result.units)
-
-
-def _own(name: str, fmus: str | os.PathLike[str] | None) -> Path:
-    """One of this package's FMUs."""
-    folder = fmu_folder(fmus)
-    installed.ensure(folder)
-    path = folder / f"{name}.fmu"
-    if not path.is_file():
-        known = ", ".join(sorted(p.stem for p in folder.glob("*.fmu")))
-        raise AeroSloshError(f"There is no FMU '{name}'", str(folder), f"give the path of a .fmu file, or one of {known}")
-    return path
 
 
 def _table(given: Mapping[str, Any] | Any) -> Table:

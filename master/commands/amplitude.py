@@ -53,4 +53,4 @@ def execute(options: argparse.Namespace) -> int:
         folder.log(summary)
         with common.printed(options, data, summary, folder):
             api.write(case, data, folder, fmus)
-    return ExitCode.OK
+    return ExitCode.OK if any(row["curve"] for row in data["speeds"]) else ExitCode.UNDETERMINED

@@ -9,9 +9,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from ..base import disk
 from ..base.errors import AeroSloshError, ExitCode
 from ..case import fuel_tank
-from ..fmi import table_drive
+from ..fmi import installed, table_drive
 from ..fmi.component import Component
 from . import HELP
 
@@ -20,7 +21,7 @@ def register(commands: Any) -> None:
     """The command line."""
     text = HELP["drive"]
     alone = commands.add_parser("drive", help=text, description=text)
-    alone.add_argument("fmu", type=Path, metavar="FMU", help="e.g. dist/fmus/aero.fmu")
+    alone.add_argument("fmu", type=Path, metavar="FMU", help="a file, or the name of one of this package's FMUs: slosh_vof")
     alone.add_argument("--input", type=Path, required=True, metavar="CSV", help="column time [s], and inputs of the FMU by name")
     alone.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the FMU")
     alone.add_argument("--step", type=float, metavar="S", help="communication step [s] (default: the table's rows)")
@@ -44,19 +45,25 @@ def execute(options: argparse.Namespace) -> int:
         if not options.step > 0.0:
             raise AeroSloshError(f"--step {options.step:g}", "command line", "a step above 0 [s]")
         table = table.resampled(options.step)
-    if not options.fmu.is_file():
-        raise AeroSloshError("There is no such FMU", str(options.fmu), "build the FMUs with `make fmus`")
-    component = Component(options.fmu, options.fmu.stem)
+    fmu = installed.named(options.fmu)
+    target = options.out or options.input.with_name(f"{options.input.stem}_{fmu.stem}.csv")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise AeroSloshError(f"The folder cannot be made: {error.strerror}", str(target.parent), "give another --out") from None
+    component = Component(fmu, fmu.stem)
     table_drive.set_parameters(component, options.set)
     table, derived = table_drive.completed(table, component.input_index)
     if derived:
         print(f"note: {', '.join(derived)} not in the table, taken from splines", file=sys.stderr)
-    target = options.out or options.input.with_name(f"{options.input.stem}_{options.fmu.stem}.csv")
     if options.fields is not None and options.fields < 1:
         raise AeroSloshError(f"--fields {options.fields}", "command line", "a number of rows, at least 1")
     folder = table_drive.prepare_fields(component, target.parent / "fields") if options.fields else None
     columns = table_drive.run(component, table, options.fields or 0)
-    table_drive.write(target, columns)
+    try:
+        table_drive.write(target, columns)
+    except OSError as error:
+        raise disk.explained(error, target, "free space, or give another --out") from None
     files = [str(target)]
     if folder is not None:
         files += [os.path.relpath(folder), os.path.relpath(table_drive.collect_fields(folder, table, options.fields))]
@@ -71,7 +78,7 @@ def execute(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"steps": steps, "cpu_seconds": component.cpu, "files": files, "validity": worst}))
     else:
-        print(f"{options.fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
+        print(f"{fmu.stem}: {steps} steps, {component.cpu:.2f} s CPU\n  " + "\n  ".join(files))
         edge = float(columns["validity_edge"].max()) if "validity_edge" in columns else fuel_tank.EDGE
         if worst is not None and not fuel_tank.holds(worst, edge):
             print(f"  note: {fuel_tank.broken(worst, edge)}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -43,5 +44,5 @@ def execute(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"file": str(path)}))
     else:
-        print(f"{path}: fill it in, then `aeroslosh point {path}`")
+        print(f"{path}: fill it in, then `aeroslosh point {shlex.quote(str(path))}`")
     return ExitCode.OK

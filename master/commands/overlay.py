@@ -92,11 +92,13 @@ def _boundaries(options: argparse.Namespace, found: dict[str, past_run.PastRun])
             )
         )
         return ExitCode.OK
-    first, *others = lowest.values()
-    for mach in sorted(first):
-        told = [f"{name} {low[mach]:.4f} ({100.0 * (low[mach] / first[mach] - 1.0):+.1f} %)"
-                for name, low in zip(names[1:], others, strict=True) if mach in low]  # fmt: skip
-        print(f"  Mach {mach:<6g} lowest neutral V_f: {names[0]} {first[mach]:.4f}{', ' if told else ''}{', '.join(told)}")
+    first = lowest[names[0]]
+    for mach in sorted({m for low in lowest.values() for m in low}):
+        told = []
+        for name, low in lowest.items():
+            beside = f" ({100.0 * (low[mach] / first[mach] - 1.0):+.1f} %)" if mach in low and mach in first else ""
+            told.append(f"{name} {low[mach]:.4f}{'' if name == names[0] else beside}" if mach in low else f"{name} –")
+        print(f"  Mach {mach:<6g} lowest neutral V_f: {', '.join(told)}")
     print(f"  picture      {os.path.relpath(options.out)}")
     return ExitCode.OK
 

@@ -58,8 +58,12 @@ def execute(options: argparse.Namespace) -> int:
 
     work = Work(out, options.fmus, options.coarse, options.workers, options.fresh, say)
     try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise AeroSloshError(f"The folder cannot be made: {error.strerror}", str(out), "give another --out") from None
+    try:
         rows = runs.run(work, names)
-        runs.write(out, rows)
+        runs.write(out, rows, work.key)
     except OSError as error:
         raise disk.explained(error, out, "free space, or give another folder with --out") from None
     print(json.dumps(runs.data(rows)) if options.json else f"{runs.table(rows)}\n  {out / 'paper.md'}")

@@ -56,6 +56,21 @@ def ensure(place: Path) -> None:
             shutil.rmtree(hidden, ignore_errors=True)
 
 
+def named(fmu: Path, place: Path | None = None) -> Path:
+    """The file `fmu`, or the FMU of this package with that name, in `place` or where they are. Raises AeroSloshError for none."""
+    if fmu.is_file():
+        return fmu
+    where = folder() if place is None else place
+    if not fmu.suffix and fmu.name == str(fmu):
+        ensure(where)
+        if (path := where / f"{fmu.name}.fmu").is_file():
+            return path
+    known = ", ".join(sorted(p.stem for p in where.glob("*.fmu")))
+    raise AeroSloshError(
+        f"There is no FMU '{fmu}'", str(where), f"give the path of a .fmu file, or one of {known or 'none here'}"
+    )
+
+
 @functools.cache
 def _cached() -> Path:
     """The folder named by the content of the FMUs' sources."""

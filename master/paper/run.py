@@ -119,8 +119,13 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def write(out: Path, rows: Sequence[Row]) -> None:
-    """paper.csv and paper.json: the rows of this command. Raises OSError."""
+def write(out: Path, rows: Sequence[Row], key: dict[str, Any]) -> None:
+    """paper.csv and paper.json: the rows of this command, and of figures that earlier ones with the same settings left. Raises
+    OSError."""
+    own = {row.figure: row for row in rows}
+    for name, found in finished(out, key).items():
+        own.setdefault(name, Row(name, found["verdict"], found["seconds"], found["cpu_seconds"], kept=True))
+    rows = [own[name] for name in FIGURES if name in own]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["figure", "verdict", "seconds", "cpu_seconds"])
@@ -142,10 +147,15 @@ def data(rows: Sequence[Row]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def finished(out: Path, key: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Figure → its data, of those in the folder `out` that were computed with `key`."""
+    found = {name: read(out / name) for name in FIGURES}
+    return {name: data for name, data in found.items() if data is not None and data.get("key") == key}
+
+
 def index(out: Path, key: dict[str, Any]) -> None:
     """paper.md: every figure that is there, with picture, claims, conditions and remarks. Raises OSError."""
-    found = {name: read(out / name) for name in FIGURES}
-    there = {name: data for name, data in found.items() if data is not None and data.get("key") == key}
+    there = finished(out, key)
     lines = ["# The paper's figures, computed here", "", "| figure | shows | verdict | CPU [s] |", "|---|---|---|---|"]
     lines += [
         f"| [{name}](#{name}) | {d['title']} | {d['verdict'].partition(':')[0]} | {d['cpu_seconds']:.0f} |"

@@ -15,7 +15,7 @@ def said(row: dict[str, Any]) -> str:
     if found:
         return f"V_f {row['V_f']:g}: " + ", ".join(found)
     if not row["curve"]:
-        return f"V_f {row['V_f']:g}: no march was long enough to read an envelope"
+        return f"V_f {row['V_f']:g}: no march was long enough to read an envelope. Remedy: more free cycles (--cycles)"
     low, high = row["curve"][0]["amplitude_deg"], row["curve"][-1]["amplitude_deg"]
     return f"V_f {row['V_f']:g}: no limit cycle, motions of {low:.2g} to {high:.2g} deg {trend(row)}"
 

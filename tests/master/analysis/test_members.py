@@ -61,3 +61,11 @@ def test_divergence_in_some_members_is_no_verdict_of_the_others() -> None:
     grown = Member(9, 0.2, 1e-3, 0.0, Verdict.DIVERGENCE)
     said = Ensemble((*drawn(-0.01, 0.001, 6).members, grown)).judged(BAND)
     assert said.verdict is Verdict.UNDETERMINED and "divergence" in said.reason
+
+
+def test_a_member_without_a_growth_rate_leaves_no_mean() -> None:
+    one = Ensemble((Member(0, -0.02, 1e-3, 0.97, Verdict.DAMPED), Member(1, math.nan, math.nan, math.nan, Verdict.UNDETERMINED)))
+    said = one.judged(BAND)
+    assert said.verdict is Verdict.UNDETERMINED and "1 of them with a growth rate" in said.reason and "nan" not in said.reason
+    all_alike = Ensemble(tuple(Member(k, math.nan, math.nan, math.nan, Verdict.FLUTTER) for k in range(2)))
+    assert all_alike.judged(BAND).verdict is Verdict.FLUTTER and "nan" not in all_alike.judged(BAND).reason

@@ -60,6 +60,14 @@ def test_command(flutter_fmus: Path, tmp_path: Path, capsys: pytest.CaptureFixtu
     assert json.loads((tmp_path / "run" / "result.json").read_text())["speeds"] == data["speeds"]
 
 
+def test_marches_too_short_to_read_give_no_verdict(
+    flutter_fmus: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["amplitude", "isogai_a", "--mach", str(MACH), "--vf", "0.6", "--from", "1", "--cycles", "2", "--no-pictures"]
+    assert cli.run([*words, "--out", str(tmp_path / "run"), "--fmus", str(flutter_fmus)]) == ExitCode.UNDETERMINED
+    assert "more free cycles" in capsys.readouterr().out
+
+
 def test_starts_that_cannot_be_are_refused() -> None:
     with pytest.raises(AeroSloshError, match="starts_deg"):
         ae.amplitude("isogai_a", mach=MACH, V_f=0.6, starts_deg=[-1.0])

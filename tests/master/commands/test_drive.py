@@ -46,3 +46,15 @@ def test_bad_input_names_what_where_and_remedy(flutter_fmus: Path, tmp_path: Pat
     assert done.returncode == 2 and "sets no parameter" in done.stderr
     done = drive(flutter_fmus, "--input", str(motion), "--set", "mass=-3")
     assert done.returncode == 3 and "'mass' = -3.0" in done.stderr
+
+
+def test_a_name_of_an_fmu_and_a_place_that_takes_no_file(flutter_fmus: Path, tmp_path: Path) -> None:
+    motion = tmp_path / "load.csv"
+    motion.write_text("time,lift\n0,0\n0.1,1\n")
+    named = called("drive", "structure", "--input", motion, "--no-pictures", AEROSLOSH_FMUS=str(flutter_fmus))
+    assert named.returncode == 0 and (tmp_path / "load_structure.csv").is_file(), named.stderr
+    (tmp_path / "plain").write_text("no folder")
+    done = drive(flutter_fmus, "--input", str(motion), "--no-pictures", "--out", str(tmp_path / "plain" / "x.csv"))
+    assert done.returncode == 2 and "cannot be made" in done.stderr and "Traceback" not in done.stderr
+    done = called("drive", "structur", "--input", motion)
+    assert done.returncode == 2 and "no FMU 'structur'" in done.stderr

@@ -48,6 +48,14 @@ def test_boundaries_of_two_runs_in_one_picture(boundary_run: Callable[..., Path]
     assert done.returncode == 2 and "2 different names" in done.stderr
 
 
+def test_runs_without_a_common_mach_number_are_all_told(boundary_run: Callable[..., Path], tmp_path: Path) -> None:
+    low, high = boundary_run("low", {0.3: [(1.0, 0.01, "onset")]}), boundary_run("high", {0.6: [(0.9, 0.01, "onset")]})
+    done = called("overlay", low, high, "--out", tmp_path / "o.png")
+    assert done.returncode == 0, done.stderr
+    assert "Mach 0.3    lowest neutral V_f: low 1.0000, high –" in done.stdout
+    assert "Mach 0.6    lowest neutral V_f: low –, high 0.9000" in done.stdout
+
+
 def test_limit_cycles_of_two_runs_in_one_picture(boundary_run: Callable[..., Path], tmp_path: Path) -> None:
     cycle = {"amplitude_deg": 0.3, "std_deg": 0.02, "stable": True, "slope": -0.01, "confirmed": "both"}
     rows = [{"V_f": 0.8, "marches": [], "cycles": [cycle], "curve": []}]
