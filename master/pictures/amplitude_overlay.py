@@ -13,7 +13,7 @@ from ..base import files
 from . import canvas, look
 from .overlay import COLOURS
 
-MARKS = ("o", "s", "D", "^", "v", "P")
+MARKS = ("o", "s", "D", "P", "X", "h")  # triangles tell where all motions go
 
 
 def draw(runs: Mapping[str, Sequence[dict[str, Any]]], title: str, path: Path) -> None:
