@@ -34,11 +34,14 @@ FREE_CYCLES = 5.0
 Row = tuple[float, float, str, int, float, float, float, str, float, float]
 
 
-def slope(point: ae.Point) -> float:
-    """Of ln(pitch amplitude) over the free cycles, over omega_alpha; amplitude √(α² + (α'/ω)²), averaged over half a period."""
+def slope(point: ae.Point, cycles: float = FREE_CYCLES) -> float:
+    """Of ln(pitch amplitude) over the first free `cycles`, over omega_alpha.
+
+    Amplitude: √(α² + (α'/ω)²), averaged over half a period."""
     history = point.history
     tau, time, alpha, rate = (np.asarray(history[name].values, float) for name in ("tau", "time", "alpha", "alpha_dot"))
-    free = slice(int(history.attrs["release_index"]), None)
+    release = int(history.attrs["release_index"])
+    free = slice(release, int(np.searchsorted(tau, tau[release] + 2.0 * math.pi * cycles + 1e-9)))
     rate = (rate * (time[-1] / tau[-1]))[free]
     tau, alpha = tau[free], alpha[free]
     zeros = np.flatnonzero((alpha[:-1] < 0.0) != (alpha[1:] < 0.0))

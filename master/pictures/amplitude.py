@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..case.fuel_tank import LABEL
 from . import canvas, look
@@ -48,9 +47,7 @@ def draw(data: dict[str, Any], path: Path) -> None:
                 )
         right.set(xlabel=look.words("V_f"), ylabel="amplitude of the pitch [deg]", yscale="log")
         for axis in (left.xaxis, right.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_formatter(NullFormatter())
+            look.plain_decades(axis)
         canvas.legend(figure, left, right)
         figure.suptitle(
             f"{LABEL.get(data['slosh'], data['slosh'])}, Mach {data['mach']:g}: {data['free_cycles']:g} free cycles a march",

@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
 from ..base import files
+from ..results.amplitude_text import trend
 from . import canvas, look
 from .overlay import COLOURS
 
 MARKS = ("o", "s", "D", "P", "X", "h")  # triangles tell where all motions go
+WAYS = {"grow": ("^", 1.25, 1.16), "decay": ("v", 0.8, 0.84)}  # mark, place beside what is drawn, distance from run to run
 
 
 def draw(runs: Mapping[str, Sequence[dict[str, Any]]], title: str, path: Path) -> None:
@@ -41,28 +40,18 @@ def draw(runs: Mapping[str, Sequence[dict[str, Any]]], title: str, path: Path) -
                     bar = [[min(error, 0.9 * size)], [error]]  # the axis is logarithmic
                     axes.errorbar(row["V_f"], size, bar, color=colour, ls="", capsize=3, lw=1.0)
                     axes.plot(row["V_f"], size, mark, color=colour, fillstyle=whole, mfc=face, markerfacecoloralt="white")
-                way = _way(row)
-                if way:
-                    height = (high * 1.25 if way > 0 else low / 1.25) * (1.0 + 0.16 * way) ** n
-                    axes.plot(row["V_f"], height, "^" if way > 0 else "v", color=colour, ms=6)
+                if row["curve"] and not row["cycles"] and (way := WAYS.get(trend(row))):
+                    mark_of_way, edge, apart = way
+                    height = (high * edge if edge > 1.0 else low * edge) * apart**n
+                    axes.plot(row["V_f"], height, mark_of_way, color=colour, ms=6)
         for mark, word in (("^", "all motions marched grow"), ("v", "all decay")):
             axes.plot([], [], mark, color=look.GREY, label=word)
         axes.plot([], [], "o", color=look.GREY, mfc="white", label="limit cycle not confirmed")
         axes.plot([], [], "o", color=look.GREY, fillstyle="left", markerfacecoloralt="white", label="unstable")
         axes.set(xlabel=look.words("V_f"), ylabel="amplitude of the pitch [deg]", yscale="log")
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        look.plain_decades(axes.yaxis)
         canvas.legend(figure, axes)
         figure.suptitle(title, fontsize=10.5)
         path.parent.mkdir(parents=True, exist_ok=True)
         with files.part(path) as hidden:
             figure.savefig(hidden, format="png")
-
-
-def _way(row: dict[str, Any]) -> int:
-    """Where motions of all amplitudes marched go at a V_f without limit cycle: 1 up, -1 down, 0 otherwise."""
-    rates = np.array([p["growth_rate"] for p in row["curve"]])
-    if row["cycles"] or not rates.size or (rates.min() < 0.0 < rates.max()):
-        return 0
-    return 1 if rates.max() > 0.0 else -1

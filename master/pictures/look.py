@@ -45,6 +45,15 @@ def signed(n: int = 255) -> np.ndarray:
     return np.clip(_srgb(lab), 0.0, 1.0)
 
 
+def plain_decades(axis: Any) -> None:
+    """Ticks of a logarithmic axis at 1, 2, 5 of each decade, as plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
 def signed_map() -> Any:
     """`signed` as matplotlib takes it."""
     from matplotlib.colors import ListedColormap

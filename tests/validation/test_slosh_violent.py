@@ -7,18 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import netcdf_file
 
+import aeroslosh as ae
 from aeroslosh.fmus.slosh_rbf import violent_network
 from aeroslosh.fmus.slosh_rbf.training import dataset, violent_fit, violent_plan, violent_study
 from aeroslosh.fmus.tank.liquid import Tank
 from aeroslosh.master.training.tank_records import Drive
+from studies.violent_boundary import slope
 from support.paths import ROOT
 from support.processes import command
 
 pytestmark = pytest.mark.validation
 BRANCH = violent_network.load(ROOT / "fmus" / "slosh_rbf" / "weights" / "branches" / "default.npz")
-OMEGA_ALPHA = 46.86031501767307
 
 
 @pytest.fixture(scope="module")
@@ -55,27 +55,14 @@ def test_the_deviation_told_is_that_found(tests: list[violent_fit.Table]) -> Non
     assert np.sqrt(left / told) == pytest.approx(1.0, abs=0.25)
 
 
-def envelope(folder: Path, cycles: float = 5.0) -> float:
-    """Slope of the logarithm of the pitch amplitude over free cycles, over omega_alpha: where the rate changes with the
-    amplitude, a fit of exponentials tells that of an instant, this the mean."""
-    with netcdf_file(str(folder / "history.nc"), "r", mmap=False) as file:
-        t, alpha, rate = (np.array(file.variables[n][:], float) for n in ("time", "alpha", "alpha_dot"))
-    period = 2.0 * np.pi / OMEGA_ALPHA
-    free = (t >= 2.0 * period) & (t <= (2.0 + cycles) * period + 1e-9)
-    t, alpha, rate = t[free], alpha[free], rate[free]
-    zeros = np.flatnonzero((alpha[:-1] < 0.0) != (alpha[1:] < 0.0))
-    omega = np.pi * (len(zeros) - 1) / (t[zeros[-1]] - t[zeros[0]])
-    n = round(np.pi / omega / (t[1] - t[0]))
-    size = np.convolve(np.hypot(alpha, rate / omega), np.ones(n) / n, "valid")
-    return float(np.polyfit(t[n // 2 : n // 2 + size.size], np.log(size), 1)[0]) / OMEGA_ALPHA
-
-
 def march(model: str, amplitude: float, out: Path, mach: float = 0.8, V_f: float = 0.75) -> dict[str, object]:
     """A point of preset S with its mean growth rate."""
     words = ["point", "cases/paper_s.toml", "--slosh", model, "--mach", mach, "--vf", V_f, "--json", "--quiet", "--no-pictures"]
     done = command(*words, "--out", out, "--set", f"flutter.forced_amplitude_deg={amplitude}")
     assert done.returncode in (0, 4), done.stderr
-    return {**json.loads(done.stdout), "mean": envelope(out)}
+    point = ae.open(out)
+    assert isinstance(point, ae.Point)
+    return {**json.loads(done.stdout), "mean": slope(point)}
 
 
 @pytest.mark.parametrize(("amplitude", "limit"), [(0.2, 2e-5), (0.5, 2e-3), (1.0, 2e-3), (2.0, 2e-3), (3.0, 2e-3)])
