@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..kit.compiled import jit
 from .farfield import Farfield
-from .flux import GAMMA, residual
+from .flux import GAMMA, SCRATCH, residual
 from .implicit import Blocks, Factors, Recipe
 from .loads import Coefficients, WallLoads
 from .mesh import Mesh
@@ -20,6 +20,8 @@ from .wall import wall_state
 
 Array = NDArray[np.float64]
 
+import os
+PREC = np.float32 if os.environ.get("PREC")=="32" else np.float64
 CLIP = 0.15
 """Largest relative change of density or energy a relaxation makes in a cell."""
 
@@ -86,6 +88,7 @@ class Field:
         self._x = np.zeros_like(self.q)
         self._ghost = np.zeros((4, ni))
         self._motion = np.zeros(3)
+        self._scratch = np.ones(SCRATCH, dtype=PREC)
         self._wall = np.zeros((5, ni))
         middle = 0.5 * (mesh.node[0, 1:] + mesh.node[0, :-1])
         self._wall[0], self._wall[1], self._wall[3:] = mesh.curvature, mesh.gap, middle.T
@@ -134,6 +137,7 @@ class Field:
         residual(
             self.q.reshape(-1), self.out.reshape(-1), self.mesh.side.reshape(-1), self.mesh.ring.reshape(-1),
             self._ghost.reshape(-1), self.pressure, self.farfield.state.reshape(-1), self._motion, ni, nj,
+            self._scratch,
         )  # fmt: skip
 
     def linearised(self, weight: float, cfl: float, least_cfl: float = np.inf) -> Factors:

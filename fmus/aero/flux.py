@@ -38,39 +38,45 @@ ALBADA = 1e-6
 ENTROPY = 0.05
 """Smallest speed of the acoustic waves in Roe's dissipation, in sound speeds."""
 
+CALM = 0.1
+"""Second difference of pressure, over the sensor's, below which nothing is limited: 1e-4 of the limiter at most."""
+
 TILE = 56
 _W = TILE + 8
 # slots of the scratch array, four variables each
 _PREV, _CUR, _NEXT = 0 * _W, 4 * _W, 8 * _W
 _RIGHT, _LEFT = 12 * _W, 16 * _W
 _TOPB, _TOP, _BOTTOM = 20 * _W, 24 * _W, 28 * _W
-_FI, _FJ, _ACC = 32 * _W, 36 * _W, 40 * _W
-_SIZE = 44 * _W
+_FI, _FJ, _ACC, _FACE = 32 * _W, 36 * _W, 40 * _W, 44 * _W
+SCRATCH = 48 * _W
+"""Numbers of the scratch array, whose type is that of the arithmetic."""
 
 
 @inline
-def shock(below: float, centre: float, above: float) -> tuple[float, float]:
+def shock(below: Any, centre: Any, above: Any) -> tuple[Any, Any]:
     """Share of van Albada's limiter (0 to 1) from three pressures, as numerator and denominator."""
-    v = abs(below - 2.0 * centre + above)
-    w = (below + 2.0 * centre + above) * SENSOR
+    t = type(centre)
+    v = abs(below - t(2.0) * centre + above)
+    w = (below + t(2.0) * centre + above) * t(SENSOR)
     v4, w4 = (v * v) * (v * v), (w * w) * (w * w)
-    return v4, v4 + w4
+    return max(t(0.0), v4 - t(CALM**4) * w4), v4 + w4
 
 
 @inline
-def limited(a: float, b: float) -> tuple[float, float]:
+def limited(a: Any, b: Any) -> tuple[Any, Any]:
     """What van Albada's function takes off a slope (0 to 1) between backward (a) and forward (b) differences, as numerator and
     denominator."""
-    whole = a * a + b * b + ALBADA
-    return whole - max(0.0, 2.0 * a * b + ALBADA), whole
+    t = type(a)
+    whole = a * a + b * b + t(ALBADA)
+    return whole - max(t(0.0), t(2.0) * a * b + t(ALBADA)), whole
 
 
 @inline
 def limits(
-    share: float, whole: float,
-    a0: float, b0: float, a1: float, b1: float, a2: float, b2: float, a3: float, b3: float,
-) -> tuple[float, float, float, float]:  # fmt: skip
+    share: Any, whole: Any, a0: Any, b0: Any, a1: Any, b1: Any, a2: Any, b2: Any, a3: Any, b3: Any
+) -> tuple[Any, Any, Any, Any]:
     """Limiters (0 to 1) on the slopes of the four variables, by one division in all: it costs as much as ten products."""
+    one = type(a0)(1.0)
     t0, w0 = limited(a0, b0)
     t1, w1 = limited(a1, b1)
     t2, w2 = limited(a2, b2)
@@ -78,138 +84,152 @@ def limits(
     first, last = w0 * w1, w2 * w3
     common = share / (whole * first * last)
     first, last = first * common, last * common
-    return 1.0 - t0 * w1 * last, 1.0 - t1 * w0 * last, 1.0 - t2 * w3 * first, 1.0 - t3 * w2 * first
+    return one - t0 * w1 * last, one - t1 * w0 * last, one - t2 * w3 * first, one - t3 * w2 * first
 
 
 @inline
-def half_slopes(a: float, b: float, limit: float) -> tuple[float, float]:
+def half_slopes(a: Any, b: Any, limit: Any) -> tuple[Any, Any]:
     """Half differences towards the faces behind and ahead, from backward (a) and forward (b) differences and the limiter."""
-    k = KAPPA * limit
-    quarter = 0.25 * limit
-    return quarter * ((1.0 + k) * a + (1.0 - k) * b), quarter * ((1.0 - k) * a + (1.0 + k) * b)
+    t = type(a)
+    one, k, quarter = t(1.0), t(KAPPA) * limit, t(0.25) * limit
+    return quarter * ((one + k) * a + (one - k) * b), quarter * ((one - k) * a + (one + k) * b)
 
 
 @inline
-def clip(slope: float, value: float) -> float:
+def clip(slope: Any, value: Any) -> Any:
     """Half slope of a positive quantity, at most half its value."""
-    return min(max(slope, -0.5 * value), 0.5 * value)
+    most = type(value)(0.5) * value
+    return min(max(slope, -most), most)
 
 
 @inline
 def roe(
-    nx: float, ny: float, vn: float, vx: float, vy: float,
-    rl: float, ul: float, vl: float, pl: float,
-    rr: float, ur: float, vr: float, pr: float,
-) -> tuple[float, float, float, float]:  # fmt: skip
+    nx: Any, ny: Any, vn: Any, vx: Any, vy: Any, rl: Any, ul: Any, vl: Any, pl: Any, rr: Any, ur: Any, vr: Any, pr: Any
+) -> tuple[Any, Any, Any, Any]:
     """Roe's flux a unit length through a face with unit normal (nx, ny) moving at vn along it; states left and right.
 
     (vx, vy): velocity of the section, against which the local Mach number counts."""
-    g1 = GAMMA - 1.0
-    el = pl / g1 + 0.5 * rl * (ul * ul + vl * vl)
-    er = pr / g1 + 0.5 * rr * (ur * ur + vr * vr)
-    unl = ul * nx + vl * ny
-    unr = ur * nx + vr * ny
-    # face averages
-    r = 0.5 * (rl + rr)
-    u = 0.5 * (ul + ur)
-    v = 0.5 * (vl + vr)
-    p = 0.5 * (pl + pr)
-    un = 0.5 * (unl + unr)
+    t = type(rl)
+    one, half, quarter, over_g1 = t(1.0), t(0.5), t(0.25), t(1.0 / (GAMMA - 1.0))
+    # averages and jumps: every flux of the two sides is a polynomial in them, with a third of the work
+    r, u, v, p = half * (rl + rr), half * (ul + ur), half * (vl + vr), half * (pl + pr)
+    dr, du, dv, dp = rr - rl, ur - ul, vr - vl, pr - pl
+    un, dw = u * nx + v * ny, du * nx + dv * ny
+    w = un - vn
     # one division for all: a/r is the square of the speed of sound, b/a that of the local Mach number
-    a = GAMMA * p
-    b = ((u - vx) ** 2 + (v - vy) ** 2) * r
+    a = t(GAMMA) * p
+    b = ((u - vx) * (u - vx) + (v - vy) * (v - vy)) * r
     ab = a + b
-    one = 1.0 / (a * r * ab)
-    c2, over_c2 = a * (one * a * ab), r * (one * r * ab)
+    over = one / (a * r * ab)
+    over_ar = over * ab
+    c2, over_c2 = a * a * over_ar, r * r * over_ar
     c = np.sqrt(c2)
     over_c = c * over_c2
     # share of the normal velocity's jump that counts: m sqrt(4 + (1 − m2)^2)/(1 + m2), m the Mach number
-    share = min(1.0, np.sqrt(b * (one * r * ab) * (4.0 * a * a + (a - b) * (a - b))) * (one * a * r))
-    h = c2 * (1.0 / g1) + 0.5 * (u * u + v * v)
-    w = un - vn
-    floor = ENTROPY * c
+    share = min(one, np.sqrt(b * r * over_ar * (t(4.0) * a * a + (a - b) * (a - b))) * (over * a * r))
+    floor, flatter = t(ENTROPY) * c, t(0.5 / ENTROPY) * over_c
     l0, lp, lm = abs(w), abs(w + c), abs(w - c)
-    half = (0.5 / ENTROPY) * over_c
-    lp = lp if lp > floor else (lp * lp + floor * floor) * half
-    lm = lm if lm > floor else (lm * lm + floor * floor) * half
-    dp = pr - pl
-    dun = (unr - unl) * share
-    mean = 0.5 * (lp + lm) - l0
-    skew = 0.5 * (lp - lm)
+    lp = lp if lp > floor else (lp * lp + floor * floor) * flatter
+    lm = lm if lm > floor else (lm * lm + floor * floor) * flatter
+    mean, skew = half * (lp + lm) - l0, half * (lp - lm)
+    dun = dw * share
     d1 = (mean * dp + skew * r * c * dun) * over_c2
     d2 = mean * r * dun + skew * dp * over_c
-    wl = unl - vn
-    wr = unr - vn
-    ml = rl * wl
-    mr = rr * wr
+    mass = r * w + quarter * dr * dw - half * (l0 * dr + d1)
+    along = quarter * (r * dw + w * dr) - half * l0 * r
+    push = p - half * d2
+    # kinetic energy: twice its average a unit mass, and half its jump
+    k = u * u + v * v
+    both, jump = k + quarter * (du * du + dv * dv), u * du + v * dv
+    e = p * over_g1 + half * (r * both + half * dr * jump)
+    de = dp * over_g1 + r * jump + half * both * dr
+    h = c2 * over_g1 + half * k
     return (
-        0.5 * (ml + mr - l0 * (rr - rl) - d1),
-        0.5 * (ml * ul + mr * ur - l0 * (rr * ur - rl * ul) - d1 * u - d2 * nx) + p * nx,
-        0.5 * (ml * vl + mr * vr - l0 * (rr * vr - rl * vl) - d1 * v - d2 * ny) + p * ny,
-        0.5 * (wl * el + wr * er + unl * pl + unr * pr - l0 * (er - el) - d1 * h - d2 * un),
+        mass,
+        u * mass + du * along + nx * push,
+        v * mass + dv * along + ny * push,
+        e * w + de * (quarter * dw - half * l0) + un * p + quarter * dw * dp - half * (d1 * h + d2 * un),
     )
 
 
 @inline
-def _load(q: Any, ni: int, row: int, i0: int, s: Any) -> None:
+def _load(q: Any, ni: int, row: int, i0: int, beside: Any, s: Any) -> None:
     """Primitive variables of one mesh row's tile, two neighbours each side, into the NEXT slot; behind them the third neighbours
-    after and before, which the cut needs."""
+    after and before, which the cut needs. beside: columns of these six."""
+    t = s.dtype.type
     base = row * 4 * ni
-    q0 = q[base + i0 : base + i0 + TILE]
-    q1 = q[base + ni + i0 : base + ni + i0 + TILE]
-    q2 = q[base + 2 * ni + i0 : base + 2 * ni + i0 + TILE]
-    q3 = q[base + 3 * ni + i0 : base + 3 * ni + i0 + TILE]
-    for k in range(TILE):
-        r = q0[k]
-        u = q1[k] / r
-        v = q2[k] / r
-        s[_NEXT + 2 + k] = r
-        s[_NEXT + _W + 2 + k] = u
-        s[_NEXT + 2 * _W + 2 + k] = v
-        s[_NEXT + 3 * _W + 2 + k] = (GAMMA - 1.0) * (q3[k] - 0.5 * r * (u * u + v * v))
+    for m in range(4):
+        line = q[base + m * ni + i0 : base + m * ni + i0 + TILE]
+        for k in range(TILE):
+            s[_NEXT + m * _W + 2 + k] = line[k]
+    for k in range(_NEXT + 2, _NEXT + 2 + TILE):
+        one = t(1.0) / s[k]
+        u = s[_W + k] * one
+        v = s[2 * _W + k] * one
+        s[_W + k] = u
+        s[2 * _W + k] = v
+        s[3 * _W + k] = t(GAMMA - 1.0) * (s[3 * _W + k] - t(0.5) * s[k] * (u * u + v * v))
     for n in range(6):
-        k = n if n < 2 else TILE + n
-        i = (i0 + (k if n < 5 else -1) - 2 + ni) % ni
-        r = q[base + i]
-        u = q[base + ni + i] / r
-        v = q[base + 2 * ni + i] / r
-        s[_NEXT + k] = r
-        s[_NEXT + _W + k] = u
-        s[_NEXT + 2 * _W + k] = v
-        s[_NEXT + 3 * _W + k] = (GAMMA - 1.0) * (q[base + 3 * ni + i] - 0.5 * r * (u * u + v * v))
+        k = _NEXT + (n if n < 2 else TILE + n)
+        i = base + beside[n]
+        one = t(1.0) / t(q[i])
+        u = t(q[i + ni]) * one
+        v = t(q[i + 2 * ni]) * one
+        s[k] = q[i]
+        s[_W + k] = u
+        s[2 * _W + k] = v
+        s[3 * _W + k] = t(GAMMA - 1.0) * (t(q[i + 3 * ni]) - t(0.5) * s[k] * (u * u + v * v))
 
 
 @inline
-def _reconstruct_i(s: Any) -> None:
-    """States of cells −1 … TILE at their faces behind (LEFT) and ahead (RIGHT) along i."""
-    for k in range(TILE + 2):
-        share, whole = shock(s[_CUR + 3 * _W + k], s[_CUR + 3 * _W + k + 1], s[_CUR + 3 * _W + k + 2])
-        r, u, v, p = s[_CUR + k + 1], s[_CUR + _W + k + 1], s[_CUR + 2 * _W + k + 1], s[_CUR + 3 * _W + k + 1]
-        a0, b0 = r - s[_CUR + k], s[_CUR + k + 2] - r
-        a1, b1 = u - s[_CUR + _W + k], s[_CUR + _W + k + 2] - u
-        a2, b2 = v - s[_CUR + 2 * _W + k], s[_CUR + 2 * _W + k + 2] - v
-        a3, b3 = p - s[_CUR + 3 * _W + k], s[_CUR + 3 * _W + k + 2] - p
-        l0, l1, l2, l3 = limits(share, whole, a0, b0, a1, b1, a2, b2, a3, b3)
-        behind, ahead = half_slopes(a0, b0, l0)
-        s[_LEFT + k + 1], s[_RIGHT + k + 1] = r - clip(behind, r), r + clip(ahead, r)
-        behind, ahead = half_slopes(a1, b1, l1)
-        s[_LEFT + _W + k + 1], s[_RIGHT + _W + k + 1] = u - behind, u + ahead
-        behind, ahead = half_slopes(a2, b2, l2)
-        s[_LEFT + 2 * _W + k + 1], s[_RIGHT + 2 * _W + k + 1] = v - behind, v + ahead
-        behind, ahead = half_slopes(a3, b3, l3)
-        s[_LEFT + 3 * _W + k + 1], s[_RIGHT + 3 * _W + k + 1] = p - clip(behind, p), p + clip(ahead, p)
+def _reconstruct(s: Any, before: int, here: int, after: int, back: int, ahead: int, many: int) -> None:
+    """States of `many` cells, a multiple of 8, at their faces behind (into slot `back`) and ahead, from the slots of the cells
+    before, here and after."""
+    t = s.dtype.type
+    rough = t(0.0)
+    for k in range(many):
+        below, p, above = s[before + 3 * _W + k], s[here + 3 * _W + k], s[after + 3 * _W + k]
+        v, w = below - t(2.0) * p + above, (below + t(2.0) * p + above) * t(CALM * SENSOR)
+        rough += max(t(0.0), v * v - w * w)  # a sum, not the largest: it is SIMD code
+    if rough > t(0.0):
+        for k in range(many):
+            r, u, v, p = s[here + k], s[here + _W + k], s[here + 2 * _W + k], s[here + 3 * _W + k]
+            share, whole = shock(s[before + 3 * _W + k], p, s[after + 3 * _W + k])
+            a0, b0 = r - s[before + k], s[after + k] - r
+            a1, b1 = u - s[before + _W + k], s[after + _W + k] - u
+            a2, b2 = v - s[before + 2 * _W + k], s[after + 2 * _W + k] - v
+            a3, b3 = p - s[before + 3 * _W + k], s[after + 3 * _W + k] - p
+            l0, l1, l2, l3 = limits(share, whole, a0, b0, a1, b1, a2, b2, a3, b3)
+            low, high = half_slopes(a0, b0, l0)
+            s[back + k], s[ahead + k] = r - clip(low, r), r + clip(high, r)
+            low, high = half_slopes(a1, b1, l1)
+            s[back + _W + k], s[ahead + _W + k] = u - low, u + high
+            low, high = half_slopes(a2, b2, l2)
+            s[back + 2 * _W + k], s[ahead + 2 * _W + k] = v - low, v + high
+            low, high = half_slopes(a3, b3, l3)
+            s[back + 3 * _W + k], s[ahead + 3 * _W + k] = p - clip(low, p), p + clip(high, p)
+    else:
+        for m in range(4):
+            for k in range(many):
+                value = s[here + m * _W + k]
+                low, high = half_slopes(value - s[before + m * _W + k], s[after + m * _W + k] - value, t(1.0))
+                if m == 0 or m == 3:
+                    low, high = clip(low, value), clip(high, value)
+                s[back + m * _W + k], s[ahead + m * _W + k] = value - low, value + high
 
 
 @inline
-def _keep_jump(s: Any, cell: int, second: int, third: int, share: float, ahead: bool) -> None:
+def _keep_jump(s: Any, cell: int, second: int, third: int, share: Any, ahead: bool) -> None:
     """Reconstruct a cell along i by the parabola through it and the two behind it, seen from the cut.
 
     cell, second, third: their places in the tile's rows; share: the limiter's; ahead: whether the cut is at the cell's face
     behind, or at that ahead."""
+    t = s.dtype.type
     for m in range(4):
         value, near, far = s[_CUR + m * _W + cell], s[_CUR + m * _W + second], s[_CUR + m * _W + third]
-        to_cut = 0.125 * (1.0 - share) * (7.0 * value - 10.0 * near + 3.0 * far)
-        away = 0.125 * (1.0 - share) * (6.0 * near - 5.0 * value - far)
+        eighth = t(0.125) * (t(1.0) - share)
+        to_cut = eighth * (t(7.0) * value - t(10.0) * near + t(3.0) * far)
+        away = eighth * (t(6.0) * near - t(5.0) * value - far)
         if m == 0 or m == 3:
             to_cut, away = clip(to_cut, value), clip(away, value)
         if ahead:
@@ -232,81 +252,62 @@ def _keep_jumps(s: Any, first: int, third_last: int, third: int) -> None:
 
 
 @inline
-def _reconstruct_j(s: Any) -> None:
-    """States of cells 0 … TILE−1 at their faces below (BOTTOM) and above (TOP) along j."""
-    for k in range(2, TILE + 2):
-        share, whole = shock(s[_PREV + 3 * _W + k], s[_CUR + 3 * _W + k], s[_NEXT + 3 * _W + k])
-        r, u, v, p = s[_CUR + k], s[_CUR + _W + k], s[_CUR + 2 * _W + k], s[_CUR + 3 * _W + k]
-        a0, b0 = r - s[_PREV + k], s[_NEXT + k] - r
-        a1, b1 = u - s[_PREV + _W + k], s[_NEXT + _W + k] - u
-        a2, b2 = v - s[_PREV + 2 * _W + k], s[_NEXT + 2 * _W + k] - v
-        a3, b3 = p - s[_PREV + 3 * _W + k], s[_NEXT + 3 * _W + k] - p
-        l0, l1, l2, l3 = limits(share, whole, a0, b0, a1, b1, a2, b2, a3, b3)
-        behind, ahead = half_slopes(a0, b0, l0)
-        s[_BOTTOM + k], s[_TOP + k] = r - clip(behind, r), r + clip(ahead, r)
-        behind, ahead = half_slopes(a1, b1, l1)
-        s[_BOTTOM + _W + k], s[_TOP + _W + k] = u - behind, u + ahead
-        behind, ahead = half_slopes(a2, b2, l2)
-        s[_BOTTOM + 2 * _W + k], s[_TOP + 2 * _W + k] = v - behind, v + ahead
-        behind, ahead = half_slopes(a3, b3, l3)
-        s[_BOTTOM + 3 * _W + k], s[_TOP + 3 * _W + k] = p - clip(behind, p), p + clip(ahead, p)
+def _load_faces(faces: Any, ni: int, row: int, i0: int, behind: int, s: Any) -> None:
+    """Metrics of the tile's faces of a row, and of the one behind them in column `behind`, into the FACE slot."""
+    for m in range(4):
+        line = faces[(row * 4 + m) * ni + i0 : (row * 4 + m) * ni + i0 + TILE]
+        for k in range(TILE):
+            s[_FACE + m * _W + k] = line[k]
+        s[_FACE + m * _W + TILE] = faces[(row * 4 + m) * ni + behind]
 
 
 @inline
-def _flux(faces: Any, ni: int, row: int, i0: int, motion: Any, s: Any, left: int, right: int, out: int) -> None:
-    """Roe flux times length through TILE faces of a row, from the states at slots left and right, into slot out."""
-    base = row * 4 * ni + i0
-    nx = faces[base : base + TILE]
-    ny = faces[base + ni : base + ni + TILE]
-    length = faces[base + 2 * ni : base + 2 * ni + TILE]
-    arm = faces[base + 3 * ni : base + 3 * ni + TILE]
-    vx, vy, rate = motion[0], motion[1], motion[2]
-    for k in range(TILE):
+def _flux(motion: Any, s: Any, left: int, right: int, out: int, many: int) -> None:
+    """Roe flux times length through `many` faces of the FACE slot, from the states at slots left and right, into slot out."""
+    t = s.dtype.type
+    vx, vy, rate = t(motion[0]), t(motion[1]), t(motion[2])
+    for k in range(many):
+        nx, ny, length, arm = s[_FACE + k], s[_FACE + _W + k], s[_FACE + 2 * _W + k], s[_FACE + 3 * _W + k]
         a, b, c, d = roe(
-            nx[k], ny[k], vx * nx[k] + vy * ny[k] - rate * arm[k], vx, vy,
+            nx, ny, vx * nx + vy * ny - rate * arm, vx, vy,
             s[left + k], s[left + _W + k], s[left + 2 * _W + k], s[left + 3 * _W + k],
             s[right + k], s[right + _W + k], s[right + 2 * _W + k], s[right + 3 * _W + k],
         )  # fmt: skip
-        s[out + k] = a * length[k]
-        s[out + _W + k] = b * length[k]
-        s[out + 2 * _W + k] = c * length[k]
-        s[out + 3 * _W + k] = d * length[k]
+        s[out + k] = a * length
+        s[out + _W + k] = b * length
+        s[out + 2 * _W + k] = c * length
+        s[out + 3 * _W + k] = d * length
 
 
 @inline
-def _last_flux_i(side: Any, ni: int, row: int, i0: int, motion: Any, s: Any) -> None:
-    """The flux behind the tile's last cell, through the first face of the next tile, into FI."""
-    i = row * 4 * ni + (i0 + TILE) % ni
-    k = TILE
-    x, y, size = side[i], side[i + ni], side[i + 2 * ni]
-    a, b, c, d = roe(
-        x, y, motion[0] * x + motion[1] * y - motion[2] * side[i + 3 * ni], motion[0], motion[1],
-        s[_RIGHT + 1 + k], s[_RIGHT + _W + 1 + k], s[_RIGHT + 2 * _W + 1 + k], s[_RIGHT + 3 * _W + 1 + k],
-        s[_LEFT + 2 + k], s[_LEFT + _W + 2 + k], s[_LEFT + 2 * _W + 2 + k], s[_LEFT + 3 * _W + 2 + k],
-    )  # fmt: skip
-    s[_FI + k] = a * size
-    s[_FI + _W + k] = b * size
-    s[_FI + 2 * _W + k] = c * size
-    s[_FI + 3 * _W + k] = d * size
+def _put_out(out: Any, ni: int, row: int, i0: int, s: Any) -> None:
+    """What leaves the cells of a row: ACC and, through the faces above, FJ."""
+    for m in range(4):
+        line = out[(row * 4 + m) * ni + i0 : (row * 4 + m) * ni + i0 + TILE]
+        for k in range(TILE):
+            line[k] = s[_ACC + m * _W + k] + s[_FJ + m * _W + k]
 
 
 @jit
 def residual(
-    q: Any, out: Any, side: Any, ring: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int
+    q: Any, out: Any, side: Any, ring: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int, s: Any
 ) -> None:  # fmt: skip
     """Net outward flux of every cell.
 
     q, out: (nj·4·ni,) flat; side: (nj·4·ni,), ring: ((nj+1)·4·ni,) flat metrics of the mesh; ghost: (4·ni,) primitive state
     behind the wall; pressure: (ni,) at the wall; far: (4·ni,) primitive state behind the outer faces; motion: (3,) mesh
-    velocity x, y at the origin of the moment arms and angular rate, nose-up.
+    velocity x, y at the origin of the moment arms and angular rate, nose-up; s: (SCRATCH,) finite, whose type, float64 or
+    float32, is that of the arithmetic.
     """
-    s = np.empty(_SIZE)
     vx, vy, rate = motion[0], motion[1], motion[2]
     tiles = (ni + TILE - 1) // TILE
+    beside = np.empty(6, dtype=np.int64)
     for tile in range(tiles):
         i0 = min(tile * TILE, ni - TILE)
+        for n in range(6):
+            beside[n] = (i0 + (-2 + n if n < 2 else TILE - 2 + n if n < 5 else -3) + ni) % ni
         # wall: mirror row into PREV, pressure flux into FJ
-        _load(q, ni, 0, i0, s)
+        _load(q, ni, 0, i0, beside, s)
         for m in range(4):
             for k in range(TILE):
                 s[_PREV + m * _W + 2 + k] = ghost[m * ni + i0 + k]
@@ -322,25 +323,24 @@ def residual(
             s[_CUR + k] = s[_NEXT + k]
         for j in range(nj):
             if j + 1 < nj:
-                _load(q, ni, j + 1, i0, s)
+                _load(q, ni, j + 1, i0, beside, s)
             else:
                 for m in range(4):
                     for k in range(TILE):
                         s[_NEXT + m * _W + 2 + k] = far[m * ni + i0 + k]
-            _reconstruct_i(s)
+            # cells −1 … TILE, and places behind them that fill up a vector
+            _reconstruct(s, _CUR, _CUR + 1, _CUR + 2, _LEFT + 1, _RIGHT + 1, _W)
             if i0 == 0:
                 _keep_jumps(s, 2, TILE + 5, 4)
             if i0 + TILE == ni:
                 _keep_jumps(s, TILE + 2, TILE - 1, TILE + 4)
-            _reconstruct_j(s)
-            _flux(side, ni, j, i0, motion, s, _RIGHT + 1, _LEFT + 2, _FI)
-            _last_flux_i(side, ni, j, i0, motion, s)
+            _reconstruct(s, _PREV + 2, _CUR + 2, _NEXT + 2, _BOTTOM + 2, _TOP + 2, TILE)
             if j > 0:
-                _flux(ring, ni, j, i0, motion, s, _TOPB + 2, _BOTTOM + 2, _FJ)
-                for m in range(4):
-                    row = out[((j - 1) * 4 + m) * ni + i0 : ((j - 1) * 4 + m) * ni + i0 + TILE]
-                    for k in range(TILE):
-                        row[k] = s[_ACC + m * _W + k] + s[_FJ + m * _W + k]
+                _load_faces(ring, ni, j, i0, beside[2], s)
+                _flux(motion, s, _TOPB + 2, _BOTTOM + 2, _FJ, TILE)
+                _put_out(out, ni, j - 1, i0, s)
+            _load_faces(side, ni, j, i0, beside[2], s)
+            _flux(motion, s, _RIGHT + 1, _LEFT + 2, _FI, _W)
             for m in range(4):
                 for k in range(TILE):
                     s[_ACC + m * _W + k] = s[_FI + m * _W + k + 1] - s[_FI + m * _W + k] - s[_FJ + m * _W + k]
@@ -350,8 +350,6 @@ def residual(
                 s[_PREV + k] = s[_CUR + k]
             for k in range(4 * _W):
                 s[_CUR + k] = s[_NEXT + k]
-        _flux(ring, ni, nj, i0, motion, s, _TOPB + 2, _CUR + 2, _FJ)
-        for m in range(4):
-            row = out[((nj - 1) * 4 + m) * ni + i0 : ((nj - 1) * 4 + m) * ni + i0 + TILE]
-            for k in range(TILE):
-                row[k] = s[_ACC + m * _W + k] + s[_FJ + m * _W + k]
+        _load_faces(ring, ni, nj, i0, beside[2], s)
+        _flux(motion, s, _TOPB + 2, _CUR + 2, _FJ, TILE)
+        _put_out(out, ni, nj - 1, i0, s)

@@ -40,125 +40,105 @@ def _high(word: Any) -> Any:
 
 
 @inline
-def _two(f: Any, first: int, s: Any, x: int, second: int, y: int, to: int) -> None:
-    """s[to] = first·s[x] − second·s[y] for LANES vectors of four; matrices packed in f, vectors in s, at compile-time offsets."""
+def _two(f: Any, first: int, second: int, s: Any) -> None:
+    """s[1] = first·s[1] − second·s[0], s holding two places of LANES vectors of four; matrices packed in f.
+
+    Both in one array, at a distance that the compiler knows: no look whether they overlap, no copies."""
     for l in range(LANES):
-        x0, x1, x2, x3 = s[x + l], s[x + LANES + l], s[x + 2 * LANES + l], s[x + 3 * LANES + l]
-        y0, y1, y2, y3 = s[y + l], s[y + LANES + l], s[y + 2 * LANES + l], s[y + 3 * LANES + l]
+        x, y = _VECTOR + l, l
+        x0, x1, x2, x3 = s[x], s[x + LANES], s[x + 2 * LANES], s[x + 3 * LANES]
+        y0, y1, y2, y3 = s[y], s[y + LANES], s[y + 2 * LANES], s[y + 3 * LANES]
         for a in range(4):
             m, n = first + 2 * a * LANES + l, second + 2 * a * LANES + l
             left, right = np.uint32(f[m]), np.uint32(f[m + LANES])
             below, above = np.uint32(f[n]), np.uint32(f[n + LANES])
-            s[to + a * LANES + l] = (
+            s[x + a * LANES] = (
                 _low(left) * x0 + _high(left) * x1 + _low(right) * x2 + _high(right) * x3
                 - _low(below) * y0 - _high(below) * y1 - _low(above) * y2 - _high(above) * y3
             )  # fmt: skip
 
 
 @inline
-def _less(f: Any, matrix: int, s: Any, y: int, to: int) -> None:
-    """s[to] −= matrix·s[y] for LANES vectors of four."""
+def _less(f: Any, matrix: int, s: Any, x: int, e: Any, y: int) -> None:
+    """s[x] −= matrix·e[y] for LANES vectors of four."""
     for l in range(LANES):
-        y0, y1, y2, y3 = s[y + l], s[y + LANES + l], s[y + 2 * LANES + l], s[y + 3 * LANES + l]
+        y0, y1, y2, y3 = e[y + l], e[y + LANES + l], e[y + 2 * LANES + l], e[y + 3 * LANES + l]
         for a in range(4):
             n = matrix + 2 * a * LANES + l
             left, right = np.uint32(f[n]), np.uint32(f[n + LANES])
-            s[to + a * LANES + l] -= _low(left) * y0 + _high(left) * y1 + _low(right) * y2 + _high(right) * y3
+            s[x + a * LANES + l] -= _low(left) * y0 + _high(left) * y1 + _low(right) * y2 + _high(right) * y3
+
+
+@inline
+def _place(work: Any, at: int, many: int) -> Any:
+    """`many` places of LANES vectors from number `at` on."""
+    return work[at * _VECTOR : (at + many) * _VECTOR]
 
 
 @jit
-def solve(around: Any, across: Any, r: Any, x: Any, ni: int, nj: int, buffer: Any) -> None:
-    """x = approximate inverse times −r; r, x: (nj·4·ni,) flat float64; around, across: flat uint32 (`factorise.pack`); buffer:
-    flat float32 of shape (groups of j · ni · 4 · LANES,).
+def solve(around: Any, across: Any, r: Any, x: Any, ni: int, nj: int, work: Any) -> None:
+    """x = approximate inverse times −r; r, x: (nj·4·ni,) flat float64; around, across: flat uint32 (`factorise.pack`); work: flat
+    float32 of `work_size`, its first place of LANES vectors zero.
     """
-    s = np.zeros(4 * _VECTOR, dtype=np.float32)
-    rhs, prev, new, end = 0, _VECTOR, 2 * _VECTOR, 3 * _VECTOR
     groups_j, groups_i = (nj + LANES - 1) // LANES, (ni + LANES - 1) // LANES
     last = ni - 1
+    end = np.empty(_VECTOR, dtype=np.float32)
     for g in range(groups_j):
         lanes = min(LANES, nj - g * LANES)
-        base = g * ni * _VECTOR
+        base = 1 + g * ni
         # gather lines side by side; one variable after the other, so that what is written stays in the first-level cache
         for m in range(4):
             for l in range(lanes):
                 row = r[((g * LANES + l) * 4 + m) * ni : ((g * LANES + l) * 4 + m) * ni + ni]
-                to = base + m * LANES + l
+                to = work[base * _VECTOR + m * LANES + l :]
                 for i in range(ni):
-                    buffer[to + i * _VECTOR] = -row[i]
-        for k in range(_VECTOR):
-            s[prev + k] = 0.0
+                    to[i * _VECTOR] = -row[i]
+        # the lower matrix of the first cell is zero: what lies before it does not count
         for i in range(last):
-            b = buffer[base + i * _VECTOR : base + (i + 1) * _VECTOR]
             f = around[(g * ni + i) * 4 * PACKED : (g * ni + i + 1) * 4 * PACKED]
-            for k in range(_VECTOR):
-                s[rhs + k] = b[k]
-            _two(f, 0, s, rhs, PACKED, prev, new)
-            for k in range(_VECTOR):
-                s[prev + k] = s[new + k]
-                b[k] = s[new + k]
-        # prev holds the last forward value; back substitution
+            _two(f, 0, PACKED, _place(work, base + i - 1, 2))
         for i in range(last - 2, -1, -1):
-            b = buffer[base + i * _VECTOR : base + (i + 1) * _VECTOR]
             f = around[(g * ni + i) * 4 * PACKED : (g * ni + i + 1) * 4 * PACKED]
-            for k in range(_VECTOR):
-                s[new + k] = b[k]
-            _less(f, 2 * PACKED, s, prev, new)
-            for k in range(_VECTOR):
-                s[prev + k] = s[new + k]
-                b[k] = s[new + k]
+            b = _place(work, base + i, 2)
+            _less(f, 2 * PACKED, b, 0, b, _VECTOR)
         # last cell, then its response in the others
         f = around[(g * ni + last) * 4 * PACKED : (g * ni + last + 1) * 4 * PACKED]
-        b = buffer[base + last * _VECTOR : base + (last + 1) * _VECTOR]
-        before = buffer[base + (last - 1) * _VECTOR : base + last * _VECTOR]
+        b = _place(work, base + last - 1, 2)
+        _two(f, 0, PACKED, b)
+        _less(f, 2 * PACKED, b, _VECTOR, _place(work, base, 1), 0)
         for k in range(_VECTOR):
-            s[rhs + k] = b[k]
-            s[new + k] = before[k]
-        _two(f, 0, s, rhs, PACKED, new, end)
-        _less(f, 2 * PACKED, s, prev, end)
-        for k in range(_VECTOR):
-            b[k] = s[end + k]
+            end[k] = b[_VECTOR + k]
         for i in range(last):
-            b = buffer[base + i * _VECTOR : base + (i + 1) * _VECTOR]
             f = around[(g * ni + i) * 4 * PACKED : (g * ni + i + 1) * 4 * PACKED]
-            for k in range(_VECTOR):
-                s[new + k] = b[k]
-            _less(f, 3 * PACKED, s, end, new)
-            for k in range(_VECTOR):
-                b[k] = s[new + k]
-    line = np.zeros(nj * _VECTOR, dtype=np.float32)
+            _less(f, 3 * PACKED, _place(work, base + i, 1), 0, end, 0)
+    line = 2 + groups_j * ni
     for g in range(groups_i):
         lanes = min(LANES, ni - g * LANES)
         for j in range(nj):
-            part = buffer[((j // LANES) * ni + g * LANES) * _VECTOR + j % LANES :]
-            b = line[j * _VECTOR : (j + 1) * _VECTOR]
+            part = work[(1 + (j // LANES) * ni + g * LANES) * _VECTOR + j % LANES :]
+            b = _place(work, line + j, 1)
             for m in range(4):
                 for l in range(lanes):
                     b[m * LANES + l] = part[l * _VECTOR + m * LANES]
-        for k in range(_VECTOR):
-            s[prev + k] = 0.0
         for j in range(nj):
-            b = line[j * _VECTOR : (j + 1) * _VECTOR]
             f = across[(g * nj + j) * 3 * PACKED : (g * nj + j + 1) * 3 * PACKED]
-            for k in range(_VECTOR):
-                s[rhs + k] = b[k]
-            _two(f, 0, s, rhs, PACKED, prev, new)
-            for k in range(_VECTOR):
-                s[prev + k] = s[new + k]
-                b[k] = s[new + k]
-        for k in range(_VECTOR):
-            s[prev + k] = 0.0  # the upper matrix of the last cell is that of the boundary's state, which does not change
-        for j in range(nj - 1, -1, -1):
-            b = line[j * _VECTOR : (j + 1) * _VECTOR]
+            _two(f, 0, PACKED, _place(work, line + j - 1, 2))
+        # the upper matrix of the last cell is that of the boundary's state, which does not change
+        for j in range(nj - 2, -1, -1):
             f = across[(g * nj + j) * 3 * PACKED : (g * nj + j + 1) * 3 * PACKED]
-            for k in range(_VECTOR):
-                s[new + k] = b[k]
-            _less(f, 2 * PACKED, s, prev, new)
-            for k in range(_VECTOR):
-                s[prev + k] = s[new + k]
+            b = _place(work, line + j, 2)
+            _less(f, 2 * PACKED, b, 0, b, _VECTOR)
+        for j in range(nj):
+            b = _place(work, line + j, 1)
             for m in range(4):
                 row = x[(j * 4 + m) * ni + g * LANES : (j * 4 + m) * ni + g * LANES + lanes]
                 for l in range(lanes):
-                    row[l] = s[new + m * LANES + l]
+                    row[l] = b[m * LANES + l]
+
+
+def work_size(ni: int, nj: int) -> int:
+    """Numbers that `solve` works on."""
+    return (2 + -(-nj // LANES) * ni + nj) * _VECTOR
 
 
 @dataclass(frozen=True)
@@ -204,9 +184,9 @@ class Factors:
         self._around, self._across = pack(around.view(np.uint32).ravel()), pack(across.view(np.uint32).ravel())
         self.recipe = recipe
         self._shape = nj, ni
-        self._buffer = np.zeros(groups_j * ni * _VECTOR, dtype=np.float32)
+        self._work = np.zeros(work_size(ni, nj), dtype=np.float32)
 
     def solve(self, r: Array, x: Array) -> None:
         """x ≈ −(linearisation)^-1 r, both (nj, 4, ni) and contiguous."""
         nj, ni = self._shape
-        solve(self._around, self._across, r.reshape(-1), x.reshape(-1), ni, nj, self._buffer)
+        solve(self._around, self._across, r.reshape(-1), x.reshape(-1), ni, nj, self._work)
