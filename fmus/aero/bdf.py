@@ -5,6 +5,8 @@ BDF2opt: 0.48 BDF3 + 0.52 BDF2 (Vatsa, Carpenter and Lockard, AIAA 2010-0122).
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,31 +19,39 @@ Array = NDArray[np.float64]
 BDF3_SHARE = 0.48
 
 
-def bdf_weights(times: Array) -> Array:
+def bdf_weights(times: Sequence[float]) -> Array:
     """Weights of BDF2opt for the derivative at times[0] from values at the four descending times, shape (4,).
 
     Any step lengths: derivative of the interpolating polynomials through four and three points.
     """
-
-    def derivative(t: Array) -> Array:
-        n = len(t)
-        result = np.zeros(n)
-        for k in range(1, n):
-            others = [m for m in range(n) if m not in (0, k)]
-            result[k] = np.prod([(t[0] - t[m]) / (t[k] - t[m]) for m in others]) / (t[k] - t[0])
-        result[0] = -np.sum(result[1:])
-        return result
-
-    return BDF3_SHARE * derivative(times) + (1 - BDF3_SHARE) * np.append(derivative(times[:3]), 0.0)
+    third, second = _derivative(times), _derivative(times[:3])
+    return np.array([BDF3_SHARE * a + (1 - BDF3_SHARE) * b for a, b in zip(third, [*second, 0.0], strict=True)])
 
 
-def extrapolation_weights(times: Array) -> tuple[Array, Array]:
+def _derivative(times: Sequence[float]) -> list[float]:
+    """Weights of the derivative at times[0] of the polynomial through values at all times. Plain numbers: a step takes them
+    anew, and arrays of four cost ten times as much."""
+    now, past = times[0], times[1:]
+    weights = []
+    for t in past:
+        weight = 1.0 / (t - now)
+        for other in past:
+            if other != t:
+                weight *= (now - other) / (t - other)
+        weights.append(weight)
+    return [-math.fsum(weights), *weights]
+
+
+def extrapolation_weights(times: Sequence[float]) -> tuple[Array, Array]:
     """Weights (3,) of the linear prediction at times[0] from the three earlier values, and those that make it quadratic."""
-    t, old = times[0], times[1:]
-    slope = (t - old[0]) / (old[0] - old[1])
-    line = np.array([1 + slope, -slope, 0.0])
-    quadratic = np.array([np.prod([(t - old[m]) / (old[k] - old[m]) for m in range(3) if m != k]) for k in range(3)])
-    return line, quadratic - line
+    t, first, second, third = times
+    slope = (t - first) / (first - second)
+    quadratic = (
+        (t - second) * (t - third) / ((first - second) * (first - third)),
+        (t - first) * (t - third) / ((second - first) * (second - third)),
+        (t - first) * (t - second) / ((third - first) * (third - second)),
+    )
+    return np.array([1 + slope, -slope, 0.0]), np.array([quadratic[0] - 1 - slope, quadratic[1] + slope, quadratic[2]])
 
 
 @jit

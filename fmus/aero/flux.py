@@ -47,8 +47,8 @@ _W = TILE + 8
 _PREV, _CUR, _NEXT = 0 * _W, 4 * _W, 8 * _W
 _RIGHT, _LEFT = 12 * _W, 16 * _W
 _TOPB, _TOP, _BOTTOM = 20 * _W, 24 * _W, 28 * _W
-_FI, _FJ, _ACC, _FACE = 32 * _W, 36 * _W, 40 * _W, 44 * _W
-SCRATCH = 48 * _W
+_FI, _FJ, _ACC, _FACE, _BETWEEN = 32 * _W, 36 * _W, 40 * _W, 44 * _W, 48 * _W
+SCRATCH = 52 * _W
 """Numbers of the scratch array, whose type is that of the arithmetic."""
 
 
@@ -251,23 +251,34 @@ def _keep_jumps(s: Any, first: int, third_last: int, third: int) -> None:
     _keep_jump(s, first, first + 1, third, share / whole, True)
 
 
-@inline
-def _load_faces(faces: Any, ni: int, row: int, i0: int, behind: int, s: Any) -> None:
-    """Metrics of the tile's faces of a row, and of the one behind them in column `behind`, into the FACE slot."""
-    for m in range(4):
-        line = faces[(row * 4 + m) * ni + i0 : (row * 4 + m) * ni + i0 + TILE]
-        for k in range(TILE):
-            s[_FACE + m * _W + k] = line[k]
-        s[_FACE + m * _W + TILE] = faces[(row * 4 + m) * ni + behind]
+def tiled_faces(side: np.ndarray, ring: np.ndarray, kind: Any) -> np.ndarray:
+    """Metrics of a mesh's faces in the order in which `residual` reads them: flat, of the number type `kind`.
+
+    side: (nj, 4, ni); ring: (nj+1, 4, ni). For each tile and row those of the faces below its cells and those between them, the
+    face behind the last cell with them."""
+    nj, _, ni = side.shape
+    tiles = -(-ni // TILE)
+    faces = np.ones((tiles, nj + 1, 2, 4, _W), dtype=kind)
+    for tile in range(tiles):
+        columns = (min(tile * TILE, ni - TILE) + np.arange(TILE + 1)) % ni
+        faces[tile, :, 0, :, : TILE + 1] = ring[:, :, columns]
+        faces[tile, :nj, 1, :, : TILE + 1] = side[:, :, columns]
+    return faces.reshape(-1)
 
 
 @inline
-def _flux(motion: Any, s: Any, left: int, right: int, out: int, many: int) -> None:
-    """Roe flux times length through `many` faces of the FACE slot, from the states at slots left and right, into slot out."""
-    t = s.dtype.type
-    vx, vy, rate = t(motion[0]), t(motion[1]), t(motion[2])
+def _load_faces(faces: Any, row: int, s: Any) -> None:
+    """Metrics of a row of `tiled_faces` into the FACE and BETWEEN slots."""
+    line = faces[row * 8 * _W : (row + 1) * 8 * _W]
+    for k in range(8 * _W):
+        s[_FACE + k] = line[k]
+
+
+@inline
+def _flux(vx: Any, vy: Any, rate: Any, s: Any, face: int, left: int, right: int, out: int, many: int) -> None:
+    """Roe flux times length through `many` faces of slot `face`, from the states at slots left and right, into slot out."""
     for k in range(many):
-        nx, ny, length, arm = s[_FACE + k], s[_FACE + _W + k], s[_FACE + 2 * _W + k], s[_FACE + 3 * _W + k]
+        nx, ny, length, arm = s[face + k], s[face + _W + k], s[face + 2 * _W + k], s[face + 3 * _W + k]
         a, b, c, d = roe(
             nx, ny, vx * nx + vy * ny - rate * arm, vx, vy,
             s[left + k], s[left + _W + k], s[left + 2 * _W + k], s[left + 3 * _W + k],
@@ -290,16 +301,16 @@ def _put_out(out: Any, ni: int, row: int, i0: int, s: Any) -> None:
 
 @jit
 def residual(
-    q: Any, out: Any, side: Any, ring: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int, s: Any
+    q: Any, out: Any, faces: Any, s: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int
 ) -> None:  # fmt: skip
     """Net outward flux of every cell.
 
-    q, out: (nj·4·ni,) flat; side: (nj·4·ni,), ring: ((nj+1)·4·ni,) flat metrics of the mesh; ghost: (4·ni,) primitive state
-    behind the wall; pressure: (ni,) at the wall; far: (4·ni,) primitive state behind the outer faces; motion: (3,) mesh
-    velocity x, y at the origin of the moment arms and angular rate, nose-up; s: (SCRATCH,) finite, whose type, float64 or
-    float32, is that of the arithmetic.
+    q, out: (nj·4·ni,) flat; faces: of `tiled_faces`; s: (SCRATCH,), finite; the number type of these two, float64 or float32, is
+    that of the arithmetic; ghost: (4·ni,) primitive state behind the wall; pressure: (ni,) at the wall; far: (4·ni,) primitive
+    state behind the outer faces; motion: (3,) mesh velocity x, y at the origin of the moment arms and angular rate, nose-up.
     """
-    vx, vy, rate = motion[0], motion[1], motion[2]
+    t = s.dtype.type
+    vx, vy, rate = t(motion[0]), t(motion[1]), t(motion[2])
     tiles = (ni + TILE - 1) // TILE
     beside = np.empty(6, dtype=np.int64)
     for tile in range(tiles):
@@ -311,10 +322,10 @@ def residual(
         for m in range(4):
             for k in range(TILE):
                 s[_PREV + m * _W + 2 + k] = ghost[m * ni + i0 + k]
+        _load_faces(faces, tile * (nj + 1), s)
         for k in range(TILE):
-            i = i0 + k
-            nx, ny, length, arm = ring[i], ring[ni + i], ring[2 * ni + i], ring[3 * ni + i]
-            push = pressure[i] * length
+            nx, ny, length, arm = s[_FACE + k], s[_FACE + _W + k], s[_FACE + 2 * _W + k], s[_FACE + 3 * _W + k]
+            push = length * t(pressure[i0 + k])
             s[_FJ + k] = 0.0
             s[_FJ + _W + k] = push * nx
             s[_FJ + 2 * _W + k] = push * ny
@@ -336,11 +347,10 @@ def residual(
                 _keep_jumps(s, TILE + 2, TILE - 1, TILE + 4)
             _reconstruct(s, _PREV + 2, _CUR + 2, _NEXT + 2, _BOTTOM + 2, _TOP + 2, TILE)
             if j > 0:
-                _load_faces(ring, ni, j, i0, beside[2], s)
-                _flux(motion, s, _TOPB + 2, _BOTTOM + 2, _FJ, TILE)
+                _load_faces(faces, tile * (nj + 1) + j, s)
+                _flux(vx, vy, rate, s, _FACE, _TOPB + 2, _BOTTOM + 2, _FJ, TILE)
                 _put_out(out, ni, j - 1, i0, s)
-            _load_faces(side, ni, j, i0, beside[2], s)
-            _flux(motion, s, _RIGHT + 1, _LEFT + 2, _FI, _W)
+            _flux(vx, vy, rate, s, _BETWEEN, _RIGHT + 1, _LEFT + 2, _FI, _W)
             for m in range(4):
                 for k in range(TILE):
                     s[_ACC + m * _W + k] = s[_FI + m * _W + k + 1] - s[_FI + m * _W + k] - s[_FJ + m * _W + k]
@@ -350,6 +360,6 @@ def residual(
                 s[_PREV + k] = s[_CUR + k]
             for k in range(4 * _W):
                 s[_CUR + k] = s[_NEXT + k]
-        _load_faces(ring, ni, nj, i0, beside[2], s)
-        _flux(motion, s, _TOPB + 2, _CUR + 2, _FJ, TILE)
+        _load_faces(faces, tile * (nj + 1) + nj, s)
+        _flux(vx, vy, rate, s, _FACE, _TOPB + 2, _CUR + 2, _FJ, TILE)
         _put_out(out, ni, nj - 1, i0, s)

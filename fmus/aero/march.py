@@ -27,6 +27,8 @@ RETRIES = (1.0, 0.25, 0.1)
 """Pseudo-time steps of a step and of its repetitions, over the normal one."""
 PREDICTED = 0.1
 """Largest relative change of density or energy that is predicted in a cell."""
+SINGLE = 5e-7
+"""rms density change at which a step ends beyond which fluxes are found in single precision: some 1e-7 are lost by it."""
 NEAR_SHARE = 0.4
 """Part of the quadratic prediction that cells near the trailing edge take."""
 CAUTION = 0.25
@@ -84,7 +86,7 @@ class Flow(Field):
         if self._times[1] == self._times[0]:
             # before the first step the flow stood still: place its past one step apart
             self._times = (self._times[0], self._times[0] - dt, self._times[0] - 2 * dt)
-        times = np.array([self._times[0] + dt, *self._times])
+        times = (self._times[0] + dt, *self._times)
         weights, guess = bdf_weights(times), extrapolation_weights(times)
         c, s = float(np.cos(incidence)), float(np.sin(incidence))
         combine(*self._levels, weights[1:], c, s, self._past)
@@ -114,7 +116,7 @@ class Flow(Field):
         flow = np.empty_like(self.q)
         turn(self.q, flow, c, -s)
         self._levels = (flow, self._levels[0], self._levels[1])
-        self._times = (float(times[0]), float(times[1]), float(times[2]))
+        self._times = times[:3]
         self._moved = moved
         relative = change / max(moved, 1e-12)
         self._age += 1
@@ -131,8 +133,9 @@ class Flow(Field):
         step on with shorter pseudo-time steps (`share` of which the step takes anyway)."""
         changes: list[float] = []
         moved, afresh = np.inf, False
+        kind = np.float32 if self.settings.tolerance * self._moved > SINGLE else np.float64
         for count in range(1, limit + 1):
-            self.evaluate()
+            self.evaluate(kind)
             add_time_derivative(self.out, self.q, self._past, self.mesh.volume, weight)
             changes.append(self.relax(factors))
             if not np.isfinite(changes[-1]) or changes[-1] > BLOW_UP:
