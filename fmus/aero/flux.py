@@ -152,7 +152,7 @@ def roe(
     )
 
 
-@inline
+@jit
 def _load(q: Any, ni: int, row: int, i0: int, beside: Any, s: Any) -> None:
     """Primitive variables of one mesh row's tile, two neighbours each side, into the NEXT slot; behind them the third neighbours
     after and before, which the cut needs. beside: columns of these six."""
@@ -181,41 +181,41 @@ def _load(q: Any, ni: int, row: int, i0: int, beside: Any, s: Any) -> None:
         s[3 * _W + k] = t(GAMMA - 1.0) * (t(q[i + 3 * ni]) - t(0.5) * s[k] * (u * u + v * v))
 
 
-@inline
-def _reconstruct(s: Any, before: int, here: int, after: int, back: int, ahead: int, many: int) -> None:
-    """States of `many` cells, a multiple of 8, at their faces behind (into slot `back`) and ahead, from the slots of the cells
-    before, here and after."""
-    t = s.dtype.type
+@jit
+def _reconstruct(before: Any, here: Any, after: Any, back: Any, ahead: Any, many: int) -> None:
+    """States of `many` cells, a multiple of 8, at their faces behind and ahead, from those of the cells before, here and after:
+    slots of the scratch array, or parts of them."""
+    t = here.dtype.type
     rough = t(0.0)
     for k in range(many):
-        below, p, above = s[before + 3 * _W + k], s[here + 3 * _W + k], s[after + 3 * _W + k]
+        below, p, above = before[3 * _W + k], here[3 * _W + k], after[3 * _W + k]
         v, w = below - t(2.0) * p + above, (below + t(2.0) * p + above) * t(CALM * SENSOR)
         rough += max(t(0.0), v * v - w * w)  # a sum, not the largest: it is SIMD code
     if rough > t(0.0):
         for k in range(many):
-            r, u, v, p = s[here + k], s[here + _W + k], s[here + 2 * _W + k], s[here + 3 * _W + k]
-            share, whole = shock(s[before + 3 * _W + k], p, s[after + 3 * _W + k])
-            a0, b0 = r - s[before + k], s[after + k] - r
-            a1, b1 = u - s[before + _W + k], s[after + _W + k] - u
-            a2, b2 = v - s[before + 2 * _W + k], s[after + 2 * _W + k] - v
-            a3, b3 = p - s[before + 3 * _W + k], s[after + 3 * _W + k] - p
+            r, u, v, p = here[k], here[_W + k], here[2 * _W + k], here[3 * _W + k]
+            share, whole = shock(before[3 * _W + k], p, after[3 * _W + k])
+            a0, b0 = r - before[k], after[k] - r
+            a1, b1 = u - before[_W + k], after[_W + k] - u
+            a2, b2 = v - before[2 * _W + k], after[2 * _W + k] - v
+            a3, b3 = p - before[3 * _W + k], after[3 * _W + k] - p
             l0, l1, l2, l3 = limits(share, whole, a0, b0, a1, b1, a2, b2, a3, b3)
             low, high = half_slopes(a0, b0, l0)
-            s[back + k], s[ahead + k] = r - clip(low, r), r + clip(high, r)
+            back[k], ahead[k] = r - clip(low, r), r + clip(high, r)
             low, high = half_slopes(a1, b1, l1)
-            s[back + _W + k], s[ahead + _W + k] = u - low, u + high
+            back[_W + k], ahead[_W + k] = u - low, u + high
             low, high = half_slopes(a2, b2, l2)
-            s[back + 2 * _W + k], s[ahead + 2 * _W + k] = v - low, v + high
+            back[2 * _W + k], ahead[2 * _W + k] = v - low, v + high
             low, high = half_slopes(a3, b3, l3)
-            s[back + 3 * _W + k], s[ahead + 3 * _W + k] = p - clip(low, p), p + clip(high, p)
+            back[3 * _W + k], ahead[3 * _W + k] = p - clip(low, p), p + clip(high, p)
     else:
         for m in range(4):
             for k in range(many):
-                value = s[here + m * _W + k]
-                low, high = half_slopes(value - s[before + m * _W + k], s[after + m * _W + k] - value, t(1.0))
+                value = here[m * _W + k]
+                low, high = half_slopes(value - before[m * _W + k], after[m * _W + k] - value, t(1.0))
                 if m == 0 or m == 3:
                     low, high = clip(low, value), clip(high, value)
-                s[back + m * _W + k], s[ahead + m * _W + k] = value - low, value + high
+                back[m * _W + k], ahead[m * _W + k] = value - low, value + high
 
 
 @inline
@@ -240,7 +240,7 @@ def _keep_jump(s: Any, cell: int, second: int, third: int, share: Any, ahead: bo
             s[_LEFT + m * _W + cell] = value + away
 
 
-@inline
+@jit
 def _keep_jumps(s: Any, first: int, third_last: int, third: int) -> None:
     """The cells on both sides of the cut, which lies before the place `first` of the tile's rows; third_last, third: places of
     the third cell before the cut and of the third behind it."""
@@ -266,7 +266,7 @@ def tiled_faces(side: np.ndarray, ring: np.ndarray, kind: Any) -> np.ndarray:
     return faces.reshape(-1)
 
 
-@inline
+@jit
 def _load_faces(faces: Any, row: int, s: Any) -> None:
     """Metrics of a row of `tiled_faces` into the FACE and BETWEEN slots."""
     line = faces[row * 8 * _W : (row + 1) * 8 * _W]
@@ -274,23 +274,24 @@ def _load_faces(faces: Any, row: int, s: Any) -> None:
         s[_FACE + k] = line[k]
 
 
-@inline
-def _flux(vx: Any, vy: Any, rate: Any, s: Any, face: int, left: int, right: int, out: int, many: int) -> None:
-    """Roe flux times length through `many` faces of slot `face`, from the states at slots left and right, into slot out."""
+@jit
+def _flux(vx: Any, vy: Any, rate: Any, face: Any, left: Any, right: Any, out: Any, many: int) -> None:
+    """Roe flux times length through `many` faces, from the states left and right of them: slots of the scratch array, or parts
+    of them."""
     for k in range(many):
-        nx, ny, length, arm = s[face + k], s[face + _W + k], s[face + 2 * _W + k], s[face + 3 * _W + k]
+        nx, ny, length, arm = face[k], face[_W + k], face[2 * _W + k], face[3 * _W + k]
         a, b, c, d = roe(
             nx, ny, vx * nx + vy * ny - rate * arm, vx, vy,
-            s[left + k], s[left + _W + k], s[left + 2 * _W + k], s[left + 3 * _W + k],
-            s[right + k], s[right + _W + k], s[right + 2 * _W + k], s[right + 3 * _W + k],
+            left[k], left[_W + k], left[2 * _W + k], left[3 * _W + k],
+            right[k], right[_W + k], right[2 * _W + k], right[3 * _W + k],
         )  # fmt: skip
-        s[out + k] = a * length
-        s[out + _W + k] = b * length
-        s[out + 2 * _W + k] = c * length
-        s[out + 3 * _W + k] = d * length
+        out[k] = a * length
+        out[_W + k] = b * length
+        out[2 * _W + k] = c * length
+        out[3 * _W + k] = d * length
 
 
-@inline
+@jit
 def _put_out(out: Any, ni: int, row: int, i0: int, s: Any) -> None:
     """What leaves the cells of a row: ACC and, through the faces above, FJ."""
     for m in range(4):
@@ -340,17 +341,17 @@ def residual(
                     for k in range(TILE):
                         s[_NEXT + m * _W + 2 + k] = far[m * ni + i0 + k]
             # cells −1 … TILE, and places behind them that fill up a vector
-            _reconstruct(s, _CUR, _CUR + 1, _CUR + 2, _LEFT + 1, _RIGHT + 1, _W)
+            _reconstruct(s[_CUR:], s[_CUR + 1 :], s[_CUR + 2 :], s[_LEFT + 1 :], s[_RIGHT + 1 :], _W)
             if i0 == 0:
                 _keep_jumps(s, 2, TILE + 5, 4)
             if i0 + TILE == ni:
                 _keep_jumps(s, TILE + 2, TILE - 1, TILE + 4)
-            _reconstruct(s, _PREV + 2, _CUR + 2, _NEXT + 2, _BOTTOM + 2, _TOP + 2, TILE)
+            _reconstruct(s[_PREV + 2 :], s[_CUR + 2 :], s[_NEXT + 2 :], s[_BOTTOM + 2 :], s[_TOP + 2 :], TILE)
             if j > 0:
                 _load_faces(faces, tile * (nj + 1) + j, s)
-                _flux(vx, vy, rate, s, _FACE, _TOPB + 2, _BOTTOM + 2, _FJ, TILE)
+                _flux(vx, vy, rate, s[_FACE:], s[_TOPB + 2 :], s[_BOTTOM + 2 :], s[_FJ:], TILE)
                 _put_out(out, ni, j - 1, i0, s)
-            _flux(vx, vy, rate, s, _BETWEEN, _RIGHT + 1, _LEFT + 2, _FI, _W)
+            _flux(vx, vy, rate, s[_BETWEEN:], s[_RIGHT + 1 :], s[_LEFT + 2 :], s[_FI:], _W)
             for m in range(4):
                 for k in range(TILE):
                     s[_ACC + m * _W + k] = s[_FI + m * _W + k + 1] - s[_FI + m * _W + k] - s[_FJ + m * _W + k]
@@ -361,5 +362,5 @@ def residual(
             for k in range(4 * _W):
                 s[_CUR + k] = s[_NEXT + k]
         _load_faces(faces, tile * (nj + 1) + nj, s)
-        _flux(vx, vy, rate, s, _FACE, _TOPB + 2, _CUR + 2, _FJ, TILE)
+        _flux(vx, vy, rate, s[_FACE:], s[_TOPB + 2 :], s[_CUR + 2 :], s[_FJ:], TILE)
         _put_out(out, ni, nj - 1, i0, s)

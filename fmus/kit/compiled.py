@@ -10,4 +10,4 @@ from .cache import jit as _jit
 _FAST = {"nsz", "arcp", "contract", "reassoc"}
 
 jit = partial(_jit, fastmath=_FAST)
-inline = partial(_jit, fastmath=_FAST, inline="always")
+inline = partial(_jit, fastmath=_FAST, forceinline=True)
