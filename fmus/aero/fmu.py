@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..kit.interfaces import aero_outputs, motion_inputs
 from ..kit.prediction import prediction
 from ..kit.slave import Slave, StepError
@@ -111,6 +113,10 @@ class Aero(Slave):
             if not self.field_folder:
                 raise StepError("write_fields is true but field_folder is empty. Remedy: set field_folder to a folder")
             vtk.write(Path(self.field_folder), self.steps, self.flow, self.chord, self.h)
+
+    def rehearse(self) -> None:
+        """Call the kernels that a start and a first step do not."""
+        self.flow.evaluate(np.float32)
 
     def save(self) -> dict[str, Any]:
         """Flow, motion at its time and the number of steps."""

@@ -2,10 +2,11 @@
 `python -m aeroslosh.master.fmi.rehearsal JSON CORES`, JSON being a list of [folder of an unzipped FMU, parameters].
 
 A rehearsal runs the FMU's face through its start and one step with kernels that compute nothing: which are called with what types
-is known then, within a second. What is not in the cache is compiled by as many processes as there are cores, and lies in the
+is known then, within a second. Kernels that a start and a first step do not call are met where the face has a method `rehearse`
+that calls them. What is not in the cache is compiled by as many processes as there are cores, and lies in the
 cache for whoever runs the FMU. Kernels with a callee in common are compiled by one process in the order of their first calls, as
 in an FMU that compiles for itself: a caller is optimised together with its callees, and would round otherwise with one that was
-read from the cache. What a rehearsal does not meet is compiled when it is called, as ever.
+read from the cache. The same kernel in single and in double precision is two, with callees of their own. What a rehearsal does not meet is compiled when it is called, as ever.
 
 Prints a line "KERNELS SECONDS": how many are missing and how long that will take, about; then compiles."""
 
@@ -25,10 +26,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-PER_OPERATION = 1.2e-3  # seconds of compilation an operation of Python's, all inlined, takes on a desktop; and at least:
+PER_OPERATION = 1.2e-3  # seconds of compilation an operation of Python's takes on a desktop; and at least:
 LEAST = 0.2
 
 
@@ -38,6 +40,11 @@ class Kernel:
 
     dispatcher: Any
     types: tuple[Any, ...]
+
+    @property
+    def single(self) -> bool:
+        """Whether it works on an array in single precision."""
+        return any(getattr(kind, "dtype", None) == numba.float32 for kind in self.types)
 
     def cached(self) -> bool:
         """Whether the cache has it."""
@@ -90,7 +97,7 @@ def rehearse(folder: Path, parameters: dict[str, Any]) -> list[Kernel]:
         if file and Path(file).is_relative_to(resources):
             stubs += [(vars(module), name, value) for name, value in vars(module).items() if isinstance(value, Dispatcher)]
     for place, name, dispatcher in stubs:
-        place[name] = dispatcher if _inlined(dispatcher) else _Stub(dispatcher, found)
+        place[name] = _Stub(dispatcher, found)
     try:
         with contextlib.suppress(Exception), np.errstate(all="ignore"):
             slave = script.SLAVE(instance_name="rehearsal", resources=str(resources))
@@ -101,6 +108,8 @@ def rehearse(folder: Path, parameters: dict[str, Any]) -> list[Kernel]:
             slave.enter_initialization_mode()
             slave.exit_initialization_mode()
             slave.do_step(0.0, type(slave).step_size)
+            if hasattr(slave, "rehearse"):
+                slave.rehearse()
     finally:
         for place, name, dispatcher in stubs:
             place[name] = dispatcher
@@ -109,11 +118,11 @@ def rehearse(folder: Path, parameters: dict[str, Any]) -> list[Kernel]:
 
 def units(kernels: list[Kernel]) -> list[list[Kernel]]:
     """The kernels in groups that have no callee in common, in order within each; what takes longest first."""
-    found: list[tuple[dict[int, Any], list[Kernel]]] = []
+    found: list[tuple[set[tuple[int, bool]], list[Kernel]]] = []
     for kernel in kernels:
-        reach = {key: one for key, one in _reach(kernel.dispatcher, {}).items() if not _inlined(one)}
+        reach = {(key, kernel.single) for key in _reach(kernel.dispatcher, {})}
         group = [kernel]
-        for other in [f for f in found if f[0].keys() & reach.keys()]:
+        for other in [f for f in found if f[0] & reach]:
             found.remove(other)
             reach, group = reach | other[0], other[1] + group
         found.append((reach, group))
@@ -178,7 +187,7 @@ def _seconds(group: list[Kernel]) -> float:
     reach: dict[int, Any] = {}
     for kernel in group:
         _reach(kernel.dispatcher, reach)
-    return sum(max(LEAST, PER_OPERATION * _operations(one.py_func)) for one in reach.values() if not _inlined(one))
+    return sum(max(LEAST, PER_OPERATION * _operations(one.py_func)) for one in reach.values())
 
 
 def _reach(dispatcher: Any, found: dict[int, Any]) -> dict[int, Any]:
@@ -193,13 +202,8 @@ def _reach(dispatcher: Any, found: dict[int, Any]) -> dict[int, Any]:
 
 
 def _operations(function: Callable[..., Any]) -> int:
-    """Operations of Python's in a function with those that are inlined into it."""
-    code, values = function.__code__, getattr(function, "__globals__", {})
-    total = len(code.co_code) // 2
-    for name in _called_names(function):
-        if isinstance(values.get(name), Dispatcher) and _inlined(values[name]):
-            total += _operations(values[name].py_func)
-    return total
+    """Operations of Python's in a function."""
+    return len(function.__code__.co_code) // 2
 
 
 def _called_names(function: Callable[..., Any]) -> list[str]:
@@ -207,10 +211,6 @@ def _called_names(function: Callable[..., Any]) -> list[str]:
     import dis
 
     return [i.argval for i in dis.get_instructions(function) if i.opname == "LOAD_GLOBAL"]
-
-
-def _inlined(dispatcher: Any) -> bool:
-    return dispatcher.targetoptions.get("inline") == "always"
 
 
 def _nothing(annotation: str) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from aeroslosh.fmus.aero import march
 from aeroslosh.fmus.aero.control import MarchError, Settings
 from aeroslosh.fmus.aero.field import Motion
 from aeroslosh.fmus.aero.march import Flow
@@ -59,6 +60,36 @@ def pitching(flow: Flow, steps: int, start: int = 0, dt: float = 0.3) -> list[tu
         flow.step(Motion(alpha=a[0], alpha_dot=a[1], alpha_ddot=a[2]), float(a[0]), dt)
         result.append(tuple(float(v) for v in flow.coefficients))
     return result
+
+
+def test_single_precision_moves_loads_less_than_subiterations_do(mesh: Mesh, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The accuracy gate of fluxes in single precision: a motion of a degree, against the same in double precision, both with the
+    default tolerance, which leaves more."""
+    kinds: list[type] = []
+    evaluate, default = Flow.evaluate, march.SINGLE
+
+    def noted(self: Flow, kind: type = np.float64) -> None:
+        kinds.append(kind)
+        evaluate(self, kind)
+
+    monkeypatch.setattr(Flow, "evaluate", noted)
+
+    def loads(threshold: float, tolerance: float) -> np.ndarray:
+        monkeypatch.setattr(march, "SINGLE", threshold)
+        flow = Flow(mesh, 0.8, 0.25, Settings(tolerance=tolerance))
+        flow.solve_steady(0.0)
+        kinds.clear()
+        return np.array(pitching(flow, 60))[20:, [0, 2]]
+
+    double, tight = loads(np.inf, 1e-2), loads(np.inf, 1e-4)
+    assert set(kinds) == {np.float64}
+    single = loads(default, 1e-2)
+    assert kinds.count(np.float32) > 0.9 * len(kinds)
+    scale = double.std(axis=0)
+    lost, left = (single - double).std(axis=0) / scale, (double - tight).std(axis=0) / scale
+    assert (lost < 0.2 * left).all() and lost[0] < 2e-4, (lost, left)
+    loads(default, 1e-4)  # such a tolerance is too near to the rounding
+    assert kinds.count(np.float32) < 0.1 * len(kinds)
 
 
 def test_rollback_repeats_to_the_last_bit_across_a_new_linearisation(mesh: Mesh) -> None:

@@ -42,6 +42,17 @@ def test_what_a_component_calls_is_compiled_before_and_said_once(fmu: Callable[[
     assert started(path, tmp_path) == ["20.0 1 0"]
 
 
+def test_what_only_a_later_step_calls_is_compiled_before_where_the_face_rehearses_it(
+    fmu: Callable[[Path], Path], tmp_path: Path
+) -> None:
+    """The second step calls the kernel in single precision: found too, compiled none."""
+    code = START.format(before="").replace("print(component", "component.step(0.1)\ncomponent.step(0.1)\nprint(component")
+    words = [sys.executable, "-c", code, str(fmu(COMPONENTS / "kernels"))]
+    done = subprocess.run(words, env=supported(XDG_CACHE_HOME=str(tmp_path)), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "20.0 2 0"
+
+
 @pytest.mark.parametrize("before", ["kernels._compile = lambda *_: None", "kernels.PROCESSES = 'many'"])
 def test_without_a_rehearsal_it_compiles_for_itself(fmu: Callable[[Path], Path], tmp_path: Path, before: str) -> None:
     if "many" in before:  # the rehearsal ends with an error

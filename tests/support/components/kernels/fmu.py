@@ -20,9 +20,18 @@ class Kernels(Slave):
 
     def initialize(self) -> None:
         """Run the kernel."""
-        self.y = scaled_sum(np.ones(10))
+        self._sum(np.float64)
+
+    def rehearse(self) -> None:
+        """What the second step will call."""
+        self._sum(np.float32)
+
+    def _sum(self, kind: type) -> None:
+        self.y = scaled_sum(np.ones(10, dtype=kind))
         self.hits = sum(scaled_sum.stats.cache_hits.values())
         self.misses = sum(scaled_sum.stats.cache_misses.values())
 
     def step(self, time: float, step_size: float) -> None:
-        """Do nothing."""
+        """From the second on: run it in single precision."""
+        if time > 0.0:
+            self._sum(np.float32)
