@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..kit.compiled import jit
 from .farfield import Farfield
-from .flux import GAMMA, SCRATCH, residual, tiled_faces
+from .flux import GAMMA, residual, tiled_faces
 from .implicit import Blocks, Factors, Recipe
 from .loads import Coefficients, WallLoads
 from .mesh import Mesh
@@ -135,7 +135,7 @@ class Field:
         """
         self.find_pressure()
         if kind not in self._arithmetic:
-            self._arithmetic[kind] = tiled_faces(self.mesh.side, self.mesh.ring, kind), np.ones(SCRATCH, dtype=kind)
+            self._arithmetic[kind] = tiled_faces(self.mesh.side, self.mesh.ring, kind)
         nj, ni = self.mesh.shape
         residual(
             self.q.reshape(-1), self.out.reshape(-1), *self._arithmetic[kind], self._ghost.reshape(-1), self.pressure,

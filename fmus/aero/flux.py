@@ -47,9 +47,9 @@ _W = TILE + 8
 _PREV, _CUR, _NEXT = 0 * _W, 4 * _W, 8 * _W
 _RIGHT, _LEFT = 12 * _W, 16 * _W
 _TOPB, _TOP, _BOTTOM = 20 * _W, 24 * _W, 28 * _W
-_FI, _FJ, _ACC, _FACE, _BETWEEN = 32 * _W, 36 * _W, 40 * _W, 44 * _W, 48 * _W
-SCRATCH = 52 * _W
-"""Numbers of the scratch array, whose type is that of the arithmetic."""
+_FI, _FJ, _ACC = 32 * _W, 36 * _W, 40 * _W
+SCRATCH = 44 * _W
+"""Numbers of a tile's scratch array, whose type is that of the arithmetic."""
 
 
 @inline
@@ -251,27 +251,19 @@ def _keep_jumps(s: Any, first: int, third_last: int, third: int) -> None:
     _keep_jump(s, first, first + 1, third, share / whole, True)
 
 
-def tiled_faces(side: np.ndarray, ring: np.ndarray, kind: Any) -> np.ndarray:
-    """Metrics of a mesh's faces in the order in which `residual` reads them: flat, of the number type `kind`.
+def tiled_faces(side: np.ndarray, ring: np.ndarray, kind: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Metrics of a mesh's faces in the order in which `residual` reads them, and its scratch; flat, of the number type `kind`.
 
-    side: (nj, 4, ni); ring: (nj+1, 4, ni). For each tile and row those of the faces below its cells and those between them, the
+    side: (nj, 4, ni); ring: (nj+1, 4, ni). For each row and tile those of the faces below its cells and those between them, the
     face behind the last cell with them."""
     nj, _, ni = side.shape
     tiles = -(-ni // TILE)
-    faces = np.ones((tiles, nj + 1, 2, 4, _W), dtype=kind)
+    faces = np.ones((nj + 1, tiles, 2, 4, _W), dtype=kind)
     for tile in range(tiles):
         columns = (min(tile * TILE, ni - TILE) + np.arange(TILE + 1)) % ni
-        faces[tile, :, 0, :, : TILE + 1] = ring[:, :, columns]
-        faces[tile, :nj, 1, :, : TILE + 1] = side[:, :, columns]
-    return faces.reshape(-1)
-
-
-@jit
-def _load_faces(faces: Any, row: int, s: Any) -> None:
-    """Metrics of a row of `tiled_faces` into the FACE and BETWEEN slots."""
-    line = faces[row * 8 * _W : (row + 1) * 8 * _W]
-    for k in range(8 * _W):
-        s[_FACE + k] = line[k]
+        faces[:, tile, 0, :, : TILE + 1] = ring[:, :, columns]
+        faces[:nj, tile, 1, :, : TILE + 1] = side[:, :, columns]
+    return faces.reshape(-1), np.ones(tiles * SCRATCH, dtype=kind)
 
 
 @jit
@@ -302,30 +294,30 @@ def _put_out(out: Any, ni: int, row: int, i0: int, s: Any) -> None:
 
 @jit
 def residual(
-    q: Any, out: Any, faces: Any, s: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int
+    q: Any, out: Any, faces: Any, scratch: Any, ghost: Any, pressure: Any, far: Any, motion: Any, ni: int, nj: int
 ) -> None:  # fmt: skip
     """Net outward flux of every cell.
 
-    q, out: (nj·4·ni,) flat; faces: of `tiled_faces`; s: (SCRATCH,), finite; the number type of these two, float64 or float32, is
+    q, out: (nj·4·ni,) flat; faces, scratch: of `tiled_faces`; the number type of these two, float64 or float32, is
     that of the arithmetic; ghost: (4·ni,) primitive state behind the wall; pressure: (ni,) at the wall; far: (4·ni,) primitive
     state behind the outer faces; motion: (3,) mesh velocity x, y at the origin of the moment arms and angular rate, nose-up.
     """
-    t = s.dtype.type
+    t = scratch.dtype.type
     vx, vy, rate = t(motion[0]), t(motion[1]), t(motion[2])
     tiles = (ni + TILE - 1) // TILE
-    beside = np.empty(6, dtype=np.int64)
+    beside = np.empty((tiles, 6), dtype=np.int64)
     for tile in range(tiles):
-        i0 = min(tile * TILE, ni - TILE)
+        i0, s = min(tile * TILE, ni - TILE), scratch[tile * SCRATCH : (tile + 1) * SCRATCH]
         for n in range(6):
-            beside[n] = (i0 + (-2 + n if n < 2 else TILE - 2 + n if n < 5 else -3) + ni) % ni
+            beside[tile, n] = (i0 + (-2 + n if n < 2 else TILE - 2 + n if n < 5 else -3) + ni) % ni
         # wall: mirror row into PREV, pressure flux into FJ
-        _load(q, ni, 0, i0, beside, s)
+        _load(q, ni, 0, i0, beside[tile], s)
         for m in range(4):
             for k in range(TILE):
                 s[_PREV + m * _W + 2 + k] = ghost[m * ni + i0 + k]
-        _load_faces(faces, tile * (nj + 1), s)
+        face = faces[tile * 8 * _W : (tile + 1) * 8 * _W]
         for k in range(TILE):
-            nx, ny, length, arm = s[_FACE + k], s[_FACE + _W + k], s[_FACE + 2 * _W + k], s[_FACE + 3 * _W + k]
+            nx, ny, length, arm = face[k], face[_W + k], face[2 * _W + k], face[3 * _W + k]
             push = length * t(pressure[i0 + k])
             s[_FJ + k] = 0.0
             s[_FJ + _W + k] = push * nx
@@ -333,9 +325,13 @@ def residual(
             s[_FJ + 3 * _W + k] = push * (vx * nx + vy * ny - rate * arm)
         for k in range(4 * _W):
             s[_CUR + k] = s[_NEXT + k]
-        for j in range(nj):
+    # row by row, all its tiles: memory is read and written from one end to the other
+    for j in range(nj):
+        for tile in range(tiles):
+            i0, s = min(tile * TILE, ni - TILE), scratch[tile * SCRATCH : (tile + 1) * SCRATCH]
+            face = faces[(j * tiles + tile) * 8 * _W : (j * tiles + tile + 1) * 8 * _W]
             if j + 1 < nj:
-                _load(q, ni, j + 1, i0, beside, s)
+                _load(q, ni, j + 1, i0, beside[tile], s)
             else:
                 for m in range(4):
                     for k in range(TILE):
@@ -348,10 +344,9 @@ def residual(
                 _keep_jumps(s, TILE + 2, TILE - 1, TILE + 4)
             _reconstruct(s[_PREV + 2 :], s[_CUR + 2 :], s[_NEXT + 2 :], s[_BOTTOM + 2 :], s[_TOP + 2 :], TILE)
             if j > 0:
-                _load_faces(faces, tile * (nj + 1) + j, s)
-                _flux(vx, vy, rate, s[_FACE:], s[_TOPB + 2 :], s[_BOTTOM + 2 :], s[_FJ:], TILE)
+                _flux(vx, vy, rate, face, s[_TOPB + 2 :], s[_BOTTOM + 2 :], s[_FJ:], TILE)
                 _put_out(out, ni, j - 1, i0, s)
-            _flux(vx, vy, rate, s[_BETWEEN:], s[_RIGHT + 1 :], s[_LEFT + 2 :], s[_FI:], _W)
+            _flux(vx, vy, rate, face[4 * _W :], s[_RIGHT + 1 :], s[_LEFT + 2 :], s[_FI:], _W)
             for m in range(4):
                 for k in range(TILE):
                     s[_ACC + m * _W + k] = s[_FI + m * _W + k + 1] - s[_FI + m * _W + k] - s[_FJ + m * _W + k]
@@ -361,6 +356,8 @@ def residual(
                 s[_PREV + k] = s[_CUR + k]
             for k in range(4 * _W):
                 s[_CUR + k] = s[_NEXT + k]
-        _load_faces(faces, tile * (nj + 1) + nj, s)
-        _flux(vx, vy, rate, s[_FACE:], s[_TOPB + 2 :], s[_CUR + 2 :], s[_FJ:], TILE)
+    for tile in range(tiles):
+        i0, s = min(tile * TILE, ni - TILE), scratch[tile * SCRATCH : (tile + 1) * SCRATCH]
+        face = faces[(nj * tiles + tile) * 8 * _W : (nj * tiles + tile + 1) * 8 * _W]
+        _flux(vx, vy, rate, face, s[_TOPB + 2 :], s[_CUR + 2 :], s[_FJ:], TILE)
         _put_out(out, ni, nj - 1, i0, s)
