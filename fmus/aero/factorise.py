@@ -14,6 +14,8 @@ from ..kit.compiled import jit
 LANES = 16
 MATRIX = 16 * LANES
 """Numbers of LANES 4 x 4 matrices side by side."""
+UNFELT = np.float32(1e-6)
+"""Entry of a response that makes no difference beside what packing loses of the others, 4e-3 of each."""
 PACKED = MATRIX // 2
 """Words of LANES matrices whose entries are packed."""
 
@@ -106,12 +108,14 @@ def _gather(blocks: Any, shift: Any, first: int, count: int, stride: int, target
 
 
 @jit
-def factorise_around(diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, nj: int, around: Any) -> None:
+def factorise_around(
+    diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, nj: int, around: Any, spikes: Any
+) -> None:  # fmt: skip
     """Factors of the closed lines along i for the diagonal blocks plus shift·I.
 
     diagonal, back, ahead: flat (nj·ni·16,) blocks of a cell and of its neighbours i−1, i+1; shift: (nj·ni,);
-    around: flat (groups of j · ni · 4 matrices · 16 · LANES,) float32, written: inverse pivot, pivot·lower, pivot·upper and
-    the response to the last cell.
+    around: flat (groups of j · ni · 3 matrices · 16 · LANES,) float32, written: inverse pivot, pivot·lower, pivot·upper; spikes:
+    flat (groups of j · ni · 16 · LANES,), written: the response to the last cell.
     """
     middle, lower, upper = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
     inverse, product, by_lower = np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32), np.zeros(MATRIX, np.float32)
@@ -124,7 +128,7 @@ def factorise_around(diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, 
             _gather(diagonal, shift, first, count, ni, middle, 1.0)
             _gather(back, shift, first, count, ni, lower, 0.0)
             _gather(ahead, shift, first, count, ni, upper, 0.0)
-            f = (g * ni + i) * 4 * MATRIX
+            f = (g * ni + i) * 3 * MATRIX
             if i > 0:
                 _multiply(lower, before, product)
                 _subtract(product, middle)
@@ -148,15 +152,15 @@ def factorise_around(diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, 
             _copy(inverse, 0, around, f)
             _copy(by_lower, 0, around, f + MATRIX)
             _copy(by_upper, 0, around, f + 2 * MATRIX)
-            _copy(spike, 0, around, f + 3 * MATRIX)
+            _copy(spike, 0, spikes, (g * ni + i) * MATRIX)
             _copy(by_upper, 0, before, 0)
         for i in range(last - 2, -1, -1):
-            f = (g * ni + i) * 4 * MATRIX
+            f = (g * ni + i) * 3 * MATRIX
             _copy(around, f + 2 * MATRIX, upper, 0)
             _multiply(upper, spike, product)
-            _copy(around, f + 3 * MATRIX, spike, 0)
+            _copy(spikes, (g * ni + i) * MATRIX, spike, 0)
             _subtract(product, spike)
-            _copy(spike, 0, around, f + 3 * MATRIX)
+            _copy(spike, 0, spikes, (g * ni + i) * MATRIX)
         # the last cell: what remains of its block once the others are eliminated
         first = g * LANES * ni + last
         _gather(diagonal, shift, first, count, ni, middle, 1.0)
@@ -164,16 +168,34 @@ def factorise_around(diagonal: Any, back: Any, ahead: Any, shift: Any, ni: int, 
         _gather(ahead, shift, first, count, ni, upper, 0.0)
         _multiply(upper, spike, product)
         _subtract(product, middle)
-        _copy(around, (g * ni + last) * 4 * MATRIX - MATRIX, spike, 0)
+        _copy(spikes, (g * ni + last - 1) * MATRIX, spike, 0)
         _multiply(lower, spike, product)
         _subtract(product, middle)
         _invert(middle, inverse)
         _multiply(inverse, lower, by_lower)
         _multiply(inverse, upper, by_upper)
-        f = (g * ni + last) * 4 * MATRIX
+        f = (g * ni + last) * 3 * MATRIX
         _copy(inverse, 0, around, f)
         _copy(by_lower, 0, around, f + MATRIX)
         _copy(by_upper, 0, around, f + 2 * MATRIX)
+
+
+@jit
+def felt(spikes: Any, ni: int, ends: Any) -> None:
+    """Where the response to the last cell (`factorise_around`) is felt: ends: (groups of j, 2), written: the cells before the
+    first number and from the second on. Elsewhere no entry of it exceeds UNFELT: it falls fast with the distance."""
+    for g in range(ends.shape[0]):
+        first, second = 0, ni - 1
+        for i in range(ni - 1):
+            most = np.float32(0.0)
+            for k in range((g * ni + i) * MATRIX, (g * ni + i + 1) * MATRIX):
+                most = max(most, abs(spikes[k]))
+            if most > UNFELT:
+                if i < ni // 2:
+                    first = i + 1
+                elif second == ni - 1:
+                    second = i
+        ends[g, 0], ends[g, 1] = first, second
 
 
 @jit

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kit.compiled import inline, jit
-from .factorise import LANES, PACKED, factorise_across, factorise_around, pack
+from .factorise import LANES, PACKED, factorise_across, factorise_around, felt, pack
 from .jacobian import assemble
 from .mesh import Mesh
 
@@ -76,9 +76,11 @@ def _place(work: Any, at: int, many: int) -> Any:
 
 
 @jit
-def solve(around: Any, across: Any, r: Any, x: Any, ni: int, nj: int, work: Any) -> None:
-    """x = approximate inverse times −r; r, x: (nj·4·ni,) flat float64; around, across: flat uint32 (`factorise.pack`); work: flat
-    float32 of `work_size`, its first place of LANES vectors zero.
+def solve(
+    around: Any, spikes: Any, ends: Any, across: Any, r: Any, x: Any, ni: int, nj: int, work: Any
+) -> None:  # fmt: skip
+    """x = approximate inverse times −r; r, x: (nj·4·ni,) flat float64; around, spikes, across: flat uint32
+    (`factorise.pack`); ends: of `factorise.felt`; work: flat float32 of `work_size`, its first place of LANES vectors zero.
     """
     groups_j, groups_i = (nj + LANES - 1) // LANES, (ni + LANES - 1) // LANES
     last = ni - 1
@@ -95,22 +97,23 @@ def solve(around: Any, across: Any, r: Any, x: Any, ni: int, nj: int, work: Any)
                     to[i * _VECTOR] = -row[i]
         # the lower matrix of the first cell is zero: what lies before it does not count
         for i in range(last):
-            f = around[(g * ni + i) * 4 * PACKED : (g * ni + i + 1) * 4 * PACKED]
+            f = around[(g * ni + i) * 3 * PACKED : (g * ni + i + 1) * 3 * PACKED]
             _two(f, 0, PACKED, _place(work, base + i - 1, 2))
         for i in range(last - 2, -1, -1):
-            f = around[(g * ni + i) * 4 * PACKED : (g * ni + i + 1) * 4 * PACKED]
+            f = around[(g * ni + i) * 3 * PACKED : (g * ni + i + 1) * 3 * PACKED]
             b = _place(work, base + i, 2)
             _less(f, 2 * PACKED, b, 0, b, _VECTOR)
         # last cell, then its response in the others
-        f = around[(g * ni + last) * 4 * PACKED : (g * ni + last + 1) * 4 * PACKED]
+        f = around[(g * ni + last) * 3 * PACKED : (g * ni + last + 1) * 3 * PACKED]
         b = _place(work, base + last - 1, 2)
         _two(f, 0, PACKED, b)
         _less(f, 2 * PACKED, b, _VECTOR, _place(work, base, 1), 0)
         for k in range(_VECTOR):
             end[k] = b[_VECTOR + k]
         for i in range(last):
-            f = around[(g * ni + i) * 4 * PACKED : (g * ni + i + 1) * 4 * PACKED]
-            _less(f, 3 * PACKED, _place(work, base + i, 1), 0, end, 0)
+            if i < ends[g, 0] or i >= ends[g, 1]:
+                f = spikes[(g * ni + i) * PACKED : (g * ni + i + 1) * PACKED]
+                _less(f, 0, _place(work, base + i, 1), 0, end, 0)
     line = 2 + groups_j * ni
     for g in range(groups_i):
         lanes = min(LANES, ni - g * LANES)
@@ -173,15 +176,18 @@ class Factors:
         diagonal, near, radius = blocks.diagonal, blocks.near, blocks.radius
         assemble(recipe.flow, mesh.side, mesh.ring, recipe.far, diagonal, *near, radius)
         # lanes that pad the last group stay zero
-        around = np.zeros((groups_j, ni, 4, 16, LANES), dtype=np.float32)
+        around = np.zeros((groups_j, ni, 3, 16, LANES), dtype=np.float32)
+        spikes = np.zeros((groups_j, ni, 16, LANES), dtype=np.float32)
+        self._ends = np.empty((groups_j, 2), dtype=np.int64)
         across = np.zeros((groups_i, nj, 3, 16, LANES), dtype=np.float32)
         time = mesh.volume.ravel() * recipe.weight
         if np.isfinite(recipe.least_cfl):
             time = np.minimum(time, radius / recipe.least_cfl)
         shift = time + radius / recipe.cfl
-        factorise_around(diagonal, near[0], near[1], shift, ni, nj, around.ravel())
+        factorise_around(diagonal, near[0], near[1], shift, ni, nj, around.ravel(), spikes.ravel())
+        felt(spikes.ravel(), ni, self._ends)
         factorise_across(diagonal, near[2], near[3], shift, ni, nj, across.ravel())
-        self._around, self._across = pack(around.view(np.uint32).ravel()), pack(across.view(np.uint32).ravel())
+        self._around, self._spikes, self._across = (pack(f.view(np.uint32).ravel()) for f in (around, spikes, across))
         self.recipe = recipe
         self._shape = nj, ni
         self._work = np.zeros(work_size(ni, nj), dtype=np.float32)
@@ -189,4 +195,4 @@ class Factors:
     def solve(self, r: Array, x: Array) -> None:
         """x ≈ −(linearisation)^-1 r, both (nj, 4, ni) and contiguous."""
         nj, ni = self._shape
-        solve(self._around, self._across, r.reshape(-1), x.reshape(-1), ni, nj, self._work)
+        solve(self._around, self._spikes, self._ends, self._across, r.reshape(-1), x.reshape(-1), ni, nj, self._work)
