@@ -36,7 +36,9 @@ def run() -> None:
     a_byte = cpu(lambda: _triad(a, b, c), inner=200) / (3 * a.nbytes)
     print(f"  triad over {3e-6 * a.nbytes:.1f} MB: {1e-9 / a_byte:.0f} GB/s")
     rows = {
-        "residual (float64)": (cpu(flow.evaluate, inner=200), 4 * FIELD),  # flow, metrics of two families of faces, fluxes
+        # flow, metrics of two families of faces, fluxes
+        "residual (float64)": (cpu(flow.evaluate, inner=200), 4 * FIELD),
+        "residual (float32)": (cpu(lambda: flow.evaluate(np.float32), inner=200), 3 * FIELD),
         "line solve (packed factors)": (cpu(lambda: factors.solve(flow.out, x), inner=200), _bytes(factors) / cells + 2 * FIELD),
         "linearise and factorise": (cpu(lambda: flow.linearised(3.0, 20.0)), 0),
         "mesh": (cpu(lambda: o_mesh("64A010", 168, 48, 200.0)), 0),
@@ -47,5 +49,5 @@ def run() -> None:
 
 
 def _bytes(factors: Factors) -> int:
-    """Of the factors."""
+    """Of the factors that a solve reads."""
     return factors._around.nbytes + factors._across.nbytes

@@ -173,3 +173,6 @@ def together(case: Case, where: str) -> None:
         raise AeroSloshError("flutter.forced_amplitude_deg is 0", where, "give an amplitude, for instance 1")
     if len(b.V_f_range) != 2 or b.V_f_range[0] >= b.V_f_range[1]:
         raise AeroSloshError(f"boundary.V_f_range = {b.V_f_range} is not [low, high]", where, "write V_f_range = [0.2, 3.0]")
+    twice = sorted({m for m in b.mach if b.mach.count(m) > 1})
+    if twice:
+        raise AeroSloshError(f"boundary.mach names {twice[0]:g} twice", where, "give each Mach number once")

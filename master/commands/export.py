@@ -147,6 +147,12 @@ def _from_assembly(options: argparse.Namespace) -> Coupled:
 def _tables(options: argparse.Namespace) -> int:
     """Every history of the path as a table."""
     sources = [found for path in history_file.find(options.path) for found in history_file.read(path)]
+    if not sources:
+        raise AeroSloshError(
+            "None of its points has a history: points that failed at once and boundaries of a linear model march nothing",
+            str(options.path),
+            'its table is sweep.csv; marches come with boundary.method = "both"',
+        )
     targets = export.targets(sources, options.out, f".{options.format}")
     files = [file for s, target in zip(sources, targets, strict=True) for file in WRITERS[options.format](s, target)]
     samples = sum(s.size for s in sources)

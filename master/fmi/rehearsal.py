@@ -3,10 +3,11 @@
 
 A rehearsal runs the FMU's face through its start and one step with kernels that compute nothing: which are called with what types
 is known then, within a second. Kernels that a start and a first step do not call are met where the face has a method `rehearse`
-that calls them. What is not in the cache is compiled by as many processes as there are cores, and lies in the
-cache for whoever runs the FMU. Kernels with a callee in common are compiled by one process in the order of their first calls, as
-in an FMU that compiles for itself: a caller is optimised together with its callees, and would round otherwise with one that was
-read from the cache. The same kernel in single and in double precision is two, with callees of their own. What a rehearsal does not meet is compiled when it is called, as ever.
+that calls them. What is not in the cache is compiled by as many processes as there are cores, and lies in the cache for whoever
+runs the FMU. Kernels with a callee in common are compiled by one process in the order of their first calls, as in an FMU that
+compiles for itself: a caller is optimised together with its callees, and would round otherwise with one that was read from the
+cache. The same kernel in single and in double precision is two, with callees of their own. What a rehearsal does not meet is
+compiled when it is called, as ever.
 
 Prints a line "KERNELS SECONDS": how many are missing and how long that will take, about; then compiles."""
 

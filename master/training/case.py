@@ -103,6 +103,12 @@ def load(path: Path, overrides: Sequence[str] = ()) -> TrainingCase:
     if breaks:
         _check_violent(case, given, path)
     plausible.refuse_liquid(case, str(path))
+    if case.slosh.fill_level == 1.0:
+        raise AeroSloshError(
+            "slosh.fill_level = 1: the liquid of a full tank does not slosh, there is nothing to learn",
+            str(path),
+            'give a fill below 1; slosh.model = "ems" carries the mass and inertia of a full tank',
+        )
     if case.name in RESERVED:
         raise AeroSloshError(
             f"A network cannot be called '{case.name}'", str(path), f"another file name than {', '.join(RESERVED)}"

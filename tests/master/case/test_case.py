@@ -96,6 +96,7 @@ def test_resolved_case_reads_back_the_same(tmp_path: Path) -> None:
         ("[boundary]\nmach = 0.8\n", ["line 2", "list of numbers"]),
         ("[boundary]\nmach = [0.8, 3.0]\n", ["line 2", "3.0", "out of range"]),
         ("[boundary]\nV_f_range = [2.0, 1.0]\n", ["V_f_range", "[low, high]"]),
+        ("[boundary]\nmach = [0.7, 0.8, 0.7]\n", ["boundary.mach", "0.7 twice", "once"]),
         ('[slosh]\nmodel = "water"\n', ["line 2", "slosh.model", "available: none, frozen, ems, rbf, vof"]),
         ("[slosh]\nfill_level = 1.5\n", ["line 2", "slosh.fill_level", "above 0 to 1"]),
         ('[slosh]\nparametric = "yes"\n', ["line 2", "slosh.parametric", '"auto"']),

@@ -84,6 +84,15 @@ def test_every_march_of_a_sweep_is_a_file(sweep_run: Writer, made_up: Marcher, t
         cli.run(["export", "csv", str(run), "--out", str(tmp_path / "one.csv")])
 
 
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_points_without_histories_are_said_to_have_none(sweep_run: Writer, form: str) -> None:
+    """Points that failed at once; a boundary of a linear model leaves such files too."""
+    run = sweep_run("s", {0.5: None, 0.6: None})
+    with pytest.raises(AeroSloshError, match="None of its points has a history"):
+        cli.run(["export", form, str(run)])
+    assert not [*run.rglob("*.csv"), *run.rglob("*.parquet")]
+
+
 def test_the_marches_of_a_boundary_in_one_file_are_told_apart(tmp_path: Path, made_up: Marcher) -> None:
     marches = [made_up(V_f=0.5), made_up(V_f=0.6, cycles=4)]
     record = point_file.Record("id", "boundary", {}, "done", True, {}, "", "", 1, "w", 1.0, 1.0, 0.0, 1.0)

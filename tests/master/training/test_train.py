@@ -28,6 +28,7 @@ def train(case: Path, fmus: Path, *words: object) -> Done:
         ("[training]\ncentres = [0]\n", ["training.centres", "from 1"]),
         ("[slosh]\nfill_level = 2.0\n", ["slosh.fill_level"]),
         ("[flow]\nmach = 0.8\n", ["Unknown table [flow]"]),
+        (CASE.read_text().replace("fill_level = 0.5", "fill_level = 1.0"), ["slosh.fill_level = 1", "below 1"]),
     ],
 )
 def test_bad_files_are_refused(tmp_path: Path, text: str, says: list[str]) -> None:
