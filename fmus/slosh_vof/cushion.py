@@ -1,0 +1,143 @@
+"""Gas that can be compressed: its mass, its pressure, and the term it adds to the pressure equation.
+
+Each cell keeps the mass of its gas, carried by the gas that the volume-of-fluid step moves, so that the gas of a bubble or of a
+compartment keeps its mass to round-off. Cells with at most half liquid follow p = p₀ (ρ/ρ₀)^γ; in the others the flow stays free
+of divergence, and the liquid's volume is kept as before (Weymouth and Yue's indicator is 0 where gas is compressed).
+
+In time: the acceleration at a time is that of p + φ₁ (pₙ₊₁ − p) − φ₂ (p − pₙ₋₁), with the changes over a step
+−γ p Δt ∇·w/(1 − c) of the half-step velocities w before and after it. With φ₁ = φ₂ = 1/4 that is Newmark's scheme (β = 1/4): second
+order, stable for any step however fast sound is, no damping. φ₁ is larger by Δt/DAMPING: sound that steps do not resolve dies
+out, what they do resolve is damped by ωΔt²/(2 DAMPING), second order. With stiff gas it tends to the equation without it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kit.cache import argument
+from ..kit.compiled import jit
+from .grid import Grid
+
+Array = NDArray[np.float64]
+PHI = 0.25
+DAMPING = 0.02
+"""[s]"""
+MOST_DAMPING = 0.25
+FULL = 0.5
+"""Cells with more liquid are not compressed: the indicator of `advection`."""
+THINNEST, DENSEST = 0.02, 50.0
+"""Density of gas over that at the start: bounds of the pressure's formula, far beyond any cushion."""
+_SOME = 1e-3
+
+
+@argument
+class Cushion(NamedTuple):
+    """pressure [Pa]: absolute, of the gas at the start; gamma; shortest [s]: a step in which sound passes half a cell; diagonal
+    (size,): term of the pressure equation; middle (size,): scratch."""
+
+    pressure: float
+    gamma: float
+    shortest: float
+    diagonal: Any
+    middle: Any
+
+
+def cushion(grid: Grid, pressure: float, gamma: float, gas_density: float) -> Cushion | None:
+    """Return that of a tank; None where the gas's pressure is 0: it cannot be compressed."""
+    if pressure <= 0.0:
+        return None
+    shortest = 0.5 * min(grid.dx, grid.dy) * (gas_density / (gamma * pressure)) ** 0.5
+    return Cushion(pressure, gamma, shortest, np.zeros(grid.size), np.zeros(grid.size))
+
+
+def charge(mass: Array, q: Array, c: Array, grid: Grid, gas: Cushion, density: float) -> None:
+    """Set the mass of gas [ρ₀ times the cell's volume] that belongs to the pressure ρ_l q, whose mean over the gas of each
+    compartment becomes 0, that is the pressure at the start; density [kg/m3]: ρ_l."""
+    inner, pressure, shares = grid.inner(mass), grid.inner(q), 1.0 - np.clip(grid.inner(c), 0.0, 1.0)
+    for first, last in grid.rooms:
+        share, room = shares[:, first:last], pressure[:, first:last]
+        if share.sum() > _SOME * share.size:
+            room -= (share * room).sum() / share.sum()
+    inner[:] = shares * np.maximum(1.0 + density * pressure / gas.pressure, 0.0) ** (1.0 / gas.gamma)
+
+
+@jit
+def _carry(mass: Any, out: Any, share: Any, nu: Any, flux: Any, q: Any, gas: Any, factor: float, nx: int, ny: int,
+           step: int) -> None:  # fmt: skip
+    """out = mass after a sweep along `step`; share: volume of gas in cells. Upwind; gas goes where the liquid does not."""
+    s = nx + 2
+    for j in range(2, ny + 2):
+        for k in range(j * s + 1, j * s + nx + 1):
+            out[k] = mass[k]
+    for j in range(2, ny + 2):
+        for k in range(j * s + 1, j * s + nx + 1):
+            if nu[k] == 0.0:
+                continue
+            donor = k if nu[k] > 0.0 else k + step
+            if share[donor] > 1e-3:
+                density = min(max(mass[donor] / share[donor], THINNEST), DENSEST)
+            else:  # a trace of gas has the pressure of its place
+                density = max(1.0 + factor * q[donor], 0.0) ** (1.0 / gas.gamma)
+            amount = (nu[k] - flux[k]) * density
+            out[k] -= amount
+            out[k + step] += amount
+
+
+@jit
+def carry(mass: Any, c: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flux_y: Any, q: Any, gas: Any, factor: float,
+          share: Any, nx: int, ny: int, y_first: bool) -> None:  # fmt: skip
+    """Carry the mass of gas with what `advection.advect` moved.
+
+    c, middle: volume fractions before and after the first sweep; nu_x, nu_y, flux_x, flux_y: Courant numbers and liquid's fluxes;
+    factor: ρ_l/p₀; share: scratch.
+    """
+    s = nx + 2
+    step, other = (s, 1) if y_first else (1, s)
+    nu_1, nu_2 = (nu_y, nu_x) if y_first else (nu_x, nu_y)
+    flux_1, flux_2 = (flux_y, flux_x) if y_first else (flux_x, flux_y)
+    for k in range(2 * s, (ny + 2) * s):
+        share[k] = 1.0 - c[k]
+    _carry(mass, gas.middle, share, nu_1, flux_1, q, gas, factor, nx, ny, step)
+    for k in range(2 * s, (ny + 2) * s):
+        share[k] = 1.0 - middle[k] - (nu_1[k] - nu_1[k - step] if c[k] <= FULL else 0.0)
+    _carry(gas.middle, mass, share, nu_2, flux_2, q, gas, factor, nx, ny, other)
+
+
+@jit
+def keep_velocity(acc: Any, w: Any, nu_x: Any, nu_y: Any, open_face: Any, rho: Any, gas_density: float, per_dt: float, first: int,
+                  n: int, step: int, s: int) -> None:  # fmt: skip
+    """Add to accelerations what `momentum` misses where gas is compressed: its velocity stays, its density grows."""
+    for k in range(first, first + n):
+        if open_face[k] == 0.0:
+            continue
+        near = nu_x[k] - nu_x[k - 1] + nu_y[k] - nu_y[k - s]
+        m = k + step
+        far = nu_x[m] - nu_x[m - 1] + nu_y[m] - nu_y[m - s]
+        acc[k] += gas_density * (near + far) * w[k] * per_dt / (rho[k] + rho[m])
+
+
+@jit
+def soften(rhs: Any, q: Any, mass: Any, c: Any, u: Any, v: Any, gas: Any, density: float, per_time: float, dt: float, dx: float,
+           dy: float, nx: int, ny: int) -> None:  # fmt: skip
+    """Set the diagonal term and change the right-hand side in cells whose gas can be compressed.
+
+    u, v: half-step velocities; per_time: share of their divergence that rhs undoes; density [kg/m3]: ρ_l.
+    """
+    s, area = nx + 2, dx * dy
+    span = max(dt, gas.shortest)
+    damping = min(span / DAMPING, MOST_DAMPING)
+    ahead = PHI + damping
+    undone = damping / (ahead * span)
+    for j in range(2, ny + 2):
+        for k in range(j * s + 1, j * s + nx + 1):
+            if c[k] > FULL:
+                gas.diagonal[k] = 0.0
+                continue
+            share = 1.0 - max(c[k], 0.0)
+            pressure = gas.pressure * min(max(mass[k] / share, THINNEST), DENSEST) ** gas.gamma
+            gas.diagonal[k] = area * share * density / (gas.gamma * pressure * ahead * span * span)
+            spread = dy * (u[k] - u[k - 1]) + dx * (v[k] - v[k - s])
+            rhs[k] += (per_time - undone) * spread + gas.diagonal[k] * (pressure - gas.pressure) / density
