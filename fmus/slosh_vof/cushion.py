@@ -1,17 +1,23 @@
 """Gas that can be compressed: its mass, its pressure, and the term it adds to the pressure equation.
 
-Each cell keeps the mass of its gas, carried by the gas that the volume-of-fluid step moves, so that the gas of a bubble or of a
-compartment keeps its mass to round-off. Cells with at most half liquid follow p = p₀ (ρ/ρ₀)^γ; in the others the flow stays free
-of divergence, and the liquid's volume is kept as before (Weymouth and Yue's indicator is 0 where gas is compressed).
+Each cell keeps the mass of its gas, carried by the gas that the volume-of-fluid step moves: the gas of a bubble or of a
+compartment keeps its mass to round-off. In cells with at most half liquid it follows p = p₀ (ρ/ρ₀)^γ; in the others the flow
+stays free of divergence, so the liquid's volume is kept as before (Weymouth and Yue's indicator is 0 wherever gas is compressed),
+and what gas they have is given the pressure of its place by exchange with the gas beside it, which is compressed in its stead.
 
-In time: the acceleration at a time is that of p + φ₁ (pₙ₊₁ − p) − φ₂ (p − pₙ₋₁), with the changes over a step
-−γ p Δt ∇·w/(1 − c) of the half-step velocities w before and after it. With φ₁ = φ₂ = 1/4 that is Newmark's scheme (β = 1/4): second
-order, stable for any step however fast sound is, no damping. φ₁ is larger by Δt/DAMPING: sound that steps do not resolve dies
-out, what they do resolve is damped by ωΔt²/(2 DAMPING), second order. With stiff gas it tends to the equation without it.
+In time: the acceleration belongs to the pressure p + φ₁ (pₙ₊₁ − p) − φ₂ (p − pₙ₋₁), its changes being −γ p Δt ∇·w/(1 − c) of the
+half-step velocities w after and before. φ₁ = φ₂ would be Newmark's scheme (β = φ; J. Eng. Mech. Div. ASCE 85 (1959) 67): second
+order, no damping, stable for any speed of sound from 1/4 on where steps are equal. They are not: 1/4 was seen to fail in violent
+flow, φ₂ = 1/2 leaves room for steps that grow. φ₁ is larger by Δt/DAMPING, so that sound that steps do not resolve dies out; what
+they do resolve is damped by ωΔt²/(2 DAMPING) of critical, second order too. Stiff gas gives the equation of gas that cannot be
+compressed.
+
+The inertia of gas stays that of its density at the start.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,15 +28,18 @@ from ..kit.compiled import jit
 from .grid import Grid
 
 Array = NDArray[np.float64]
-PHI = 0.25
-DAMPING = 0.02
-"""[s]"""
-MOST_DAMPING = 0.25
+PHI = 0.5
+DAMPING, MOST_DAMPING = 5e-3, 0.5
+"""[s]; largest φ₁ − φ₂."""
+SOONEST = 32.0
+"""A cell that fills with liquid loses the divergence of its gas within a step, or this share of the time `step` takes for it."""
 FULL = 0.5
 """Cells with more liquid are not compressed: the indicator of `advection`."""
 THINNEST, DENSEST = 0.02, 50.0
 """Density of gas over that at the start: bounds of the pressure's formula, far beyond any cushion."""
-_SOME = 1e-3
+TRACE, QUICKEST = 1e-3, 0.1
+"""Less gas than TRACE of a cell has no density of its own; largest change of density by an exchange in one step."""
+_SOME = 1e-3  # of a compartment's cells: less gas than that tells no pressure
 
 
 @argument
@@ -77,7 +86,7 @@ def _carry(mass: Any, out: Any, share: Any, nu: Any, flux: Any, q: Any, gas: Any
             if nu[k] == 0.0:
                 continue
             donor = k if nu[k] > 0.0 else k + step
-            if share[donor] > 1e-3:
+            if share[donor] > TRACE:
                 density = min(max(mass[donor] / share[donor], THINNEST), DENSEST)
             else:  # a trace of gas has the pressure of its place
                 density = max(1.0 + factor * q[donor], 0.0) ** (1.0 / gas.gamma)
@@ -87,8 +96,38 @@ def _carry(mass: Any, out: Any, share: Any, nu: Any, flux: Any, q: Any, gas: Any
 
 
 @jit
+def _even_out(mass: Any, c: Any, q: Any, open_x: Any, open_y: Any, gas: Any, factor: float, nx: int, ny: int) -> None:
+    """Give the little gas of cells that are mostly liquid the pressure of their place, with gas of cells beside them.
+
+    Those cells are not compressed: their gas would keep the pressure of an earlier time, and set it free at another.
+    """
+    s = nx + 2
+    for j in range(2, ny + 2):
+        for k in range(j * s + 1, j * s + nx + 1):
+            share = 1.0 - c[k]
+            if not TRACE < share < 1.0 - FULL:
+                continue
+            west = open_x[k - 1] * (1.0 - c[k - 1]) if c[k - 1] <= FULL else 0.0
+            east = open_x[k] * (1.0 - c[k + 1]) if c[k + 1] <= FULL else 0.0
+            south = open_y[k - s] * (1.0 - c[k - s]) if c[k - s] <= FULL else 0.0
+            north = open_y[k] * (1.0 - c[k + s]) if c[k + s] <= FULL else 0.0
+            total = west + east + south + north
+            if total == 0.0:
+                continue
+            wanted = share * max(1.0 + factor * q[k], THINNEST) ** (1.0 / gas.gamma)
+            each = (mass[k] - wanted) / total
+            if abs(each) > QUICKEST:
+                each = math.copysign(QUICKEST, each)
+            mass[k] -= each * total
+            mass[k - 1] += each * west
+            mass[k + 1] += each * east
+            mass[k - s] += each * south
+            mass[k + s] += each * north
+
+
+@jit
 def carry(mass: Any, c: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flux_y: Any, q: Any, gas: Any, factor: float,
-          share: Any, nx: int, ny: int, y_first: bool) -> None:  # fmt: skip
+          share: Any, open_x: Any, open_y: Any, nx: int, ny: int, y_first: bool) -> None:  # fmt: skip
     """Carry the mass of gas with what `advection.advect` moved.
 
     c, middle: volume fractions before and after the first sweep; nu_x, nu_y, flux_x, flux_y: Courant numbers and liquid's fluxes;
@@ -98,6 +137,7 @@ def carry(mass: Any, c: Any, middle: Any, nu_x: Any, nu_y: Any, flux_x: Any, flu
     step, other = (s, 1) if y_first else (1, s)
     nu_1, nu_2 = (nu_y, nu_x) if y_first else (nu_x, nu_y)
     flux_1, flux_2 = (flux_y, flux_x) if y_first else (flux_x, flux_y)
+    _even_out(mass, c, q, open_x, open_y, gas, factor, nx, ny)
     for k in range(2 * s, (ny + 2) * s):
         share[k] = 1.0 - c[k]
     _carry(mass, gas.middle, share, nu_1, flux_1, q, gas, factor, nx, ny, step)
@@ -131,13 +171,15 @@ def soften(rhs: Any, q: Any, mass: Any, c: Any, u: Any, v: Any, gas: Any, densit
     damping = min(span / DAMPING, MOST_DAMPING)
     ahead = PHI + damping
     undone = damping / (ahead * span)
+    per_undo = max(per_time, min(1.0 / dt, SOONEST * per_time))
     for j in range(2, ny + 2):
         for k in range(j * s + 1, j * s + nx + 1):
+            spread = dy * (u[k] - u[k - 1]) + dx * (v[k] - v[k - s])
             if c[k] > FULL:
                 gas.diagonal[k] = 0.0
+                rhs[k] += (per_time - per_undo) * spread + area * max(c[k] - 1.0, 0.0) * per_time * per_undo
                 continue
             share = 1.0 - max(c[k], 0.0)
             pressure = gas.pressure * min(max(mass[k] / share, THINNEST), DENSEST) ** gas.gamma
             gas.diagonal[k] = area * share * density / (gas.gamma * pressure * ahead * span * span)
-            spread = dy * (u[k] - u[k - 1]) + dx * (v[k] - v[k - s])
             rhs[k] += (per_time - undone) * spread + gas.diagonal[k] * (pressure - gas.pressure) / density

@@ -68,6 +68,10 @@ class SloshVof(Slave):
         parameter("side_wall_omega", 0.0, "rad/s", "Angular frequency of the laminar friction on front and back wall, tank_width "
                   "apart; 0 = no friction there", min=0.0, max=1e4, quantity="AngularVelocity"),
         parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3, quantity="SurfaceTension"),
+        parameter("gas_pressure", 0.0, "Pa", "Absolute pressure of the gas at the start, its mean, from which it is compressed; 0 = "
+                  "it cannot be compressed", min=0.0, max=1e7, quantity="Pressure"),
+        parameter("gas_gamma", Fluids.gas_gamma, "1", "Ratio of specific heats of the gas, its pressure goes with the density to this "
+                  "power; 1 = isothermal", min=1.0, max=2.0),
         parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
         parameter("initial_column", 0.0, "m", "Width of a column at the west (fore) wall that holds all liquid; 0 = none",
                   min=0.0, quantity="Length"),
@@ -121,7 +125,10 @@ class SloshVof(Slave):
             )  # fmt: skip
             baffles = Baffles(self.baffle_count, self.baffle_bottom, self.baffle_top)
             grid = Grid(self.tank, self.cells_x, self.cells_y, baffles, parse(self.ribs))
-            fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
+            fluids = Fluids(
+                self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension, self.gas_pressure,
+                self.gas_gamma,
+            )  # fmt: skip
             numerics = Numerics(
                 self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer,
                 side_wall_omega=self.side_wall_omega,

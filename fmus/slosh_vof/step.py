@@ -279,7 +279,8 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
                notes[Y_FIRST] > 0.0, ribs)  # fmt: skip
         if gas is not None:
             carry(state[GAS], state[C], work[MIDDLE], work[NU_X], work[NU_Y], work[FLUX_X], work[FLUX_Y], state[Q], gas,
-                  p.liquid_density / gas.pressure, work[ALONG], nx, ny, notes[Y_FIRST] > 0.0)  # fmt: skip
+                  p.liquid_density / gas.pressure, work[ALONG], places.open_x, places.open_y, nx, ny,
+                  notes[Y_FIRST] > 0.0)  # fmt: skip
         notes[Y_FIRST] = 1.0 - notes[Y_FIRST]
         _mass(work[MASS_X], work[NU_X], work[FLUX_X], p, first, n)
         _mass(work[MASS_Y], work[NU_Y], work[FLUX_Y], p, first, n)
