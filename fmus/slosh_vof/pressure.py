@@ -121,8 +121,8 @@ def solve(q: Any, rhs: Any, kx: Any, ky: Any, limit: float, most: int, levels: A
     """Solve A q = rhs from the guess in q until the largest residual is below limit; in place.
 
     coarse (7, n): level arrays ke, kn, d, di, b, x, scratch in single precision, an eighth with a diagonal; work (3, n): flat
-    arrays; diagonal: own terms of cells, flat, or None (then a kernel without them). Returns the iterations taken and the residual
-    left over the limit, which is not below round-off (NaN where it broke down).
+    arrays; diagonal: own terms of cells, flat, or None (then a kernel without them). Returns the iterations taken and the
+    residual left over the limit, which is not below round-off (NaN where it broke down).
     """
     ny, s = levels[0, 1], levels[0, 2]
     first, there, n = 2 * s, levels[0, 3] + s, ny * s

@@ -18,8 +18,6 @@ class Rule(NamedTuple):
     least: float
     most: float
     others: Mapping[str, float]
-    off: bool = False
-    """Whether 0 stands for "none" below `least`."""
 
 
 _LENGTH = Rule("m", 1e-6, 100.0, {"mm": 1e-3, "cm": 1e-2, "in": 0.0254})
@@ -30,7 +28,6 @@ RULES = {
     "liquid_viscosity": Rule("m2/s", 0.0, 0.1, {"cSt (mm2/s)": 1e-6, "St (cm2/s)": 1e-4}),
     "gas_viscosity": Rule("m2/s", 0.0, 1.0, {"cSt (mm2/s)": 1e-6, "St (cm2/s)": 1e-4}),
     "gravity": Rule("m/s2", 0.0, 500.0, {"cm/s2": 1e-2, "mm/s2": 1e-3}),
-    "gas_pressure": Rule("Pa", 100.0, 1e7, {"bar": 1e5, "kPa": 1e3, "hPa (mbar)": 1e2}, off=True),
     "surface_tension": Rule("N/m", 0.0, 2.0, {"mN/m (dyn/cm)": 1e-3}),
 }
 
@@ -39,7 +36,7 @@ def check(values: Mapping[str, Any]) -> None:
     """Raise StepError for the first of `values` (parameter → value, others pass) beyond all that is possible."""
     for name, rule in RULES.items():
         value = values.get(name)
-        if value is None or rule.least <= value <= rule.most or (rule.off and value == 0.0):
+        if value is None or rule.least <= value <= rule.most:
             continue
         meant = [f"{value:g} {u} is {value * size:.6g} {rule.unit}" for u, size in rule.others.items()
                  if rule.least <= value * size <= rule.most]  # fmt: skip
