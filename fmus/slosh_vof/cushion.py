@@ -7,10 +7,10 @@ and what gas they have is given the pressure of its place by exchange with the g
 
 In time: the acceleration belongs to the pressure p + φ₁ (pₙ₊₁ − p) − φ₂ (p − pₙ₋₁), its changes being −γ p Δt ∇·w/(1 − c) of the
 half-step velocities w after and before. φ₁ = φ₂ would be Newmark's scheme (β = φ; J. Eng. Mech. Div. ASCE 85 (1959) 67): second
-order, no damping, stable for any speed of sound from 1/4 on where steps are equal. They are not: 1/4 was seen to fail in violent
-flow, φ₂ = 1/2 leaves room for steps that grow. φ₁ is larger by Δt/DAMPING, so that sound that steps do not resolve dies out; what
-they do resolve is damped by ωΔt²/(2 DAMPING) of critical, second order too. Stiff gas gives the equation of gas that cannot be
-compressed.
+order, no damping, stable for any speed of sound from 1/4 on where steps are equal. They are not: in violent flow 1/4 was seen to
+fail and 1/2 to take twice the steps, 1 leaves room for steps that grow. A swing of frequency ω is slowed by 0.46 (ωΔt)². φ₁ is
+larger by Δt/DAMPING, so that sound that steps do not resolve dies out; what they do resolve is damped by ωΔt²/(2 DAMPING) of
+critical, second order too. Stiff gas gives the equation of gas that cannot be compressed.
 
 The inertia of gas stays that of its density at the start.
 """
@@ -28,8 +28,8 @@ from ..kit.compiled import jit
 from .grid import Grid
 
 Array = NDArray[np.float64]
-PHI = 0.5
-DAMPING, MOST_DAMPING = 5e-3, 0.5
+PHI = 1.0
+DAMPING, MOST_DAMPING = 5e-3, 1.0
 """[s]; largest φ₁ − φ₂."""
 SOONEST = 32.0
 """A cell that fills with liquid loses the divergence of its gas within a step, or this share of the time `step` takes for it."""
@@ -44,12 +44,14 @@ _SOME = 1e-3  # of a compartment's cells: less gas than that tells no pressure
 
 @argument
 class Cushion(NamedTuple):
-    """pressure [Pa]: absolute, of the gas at the start; gamma; shortest [s]: a step in which sound passes half a cell; diagonal
-    (size,): term of the pressure equation; middle (size,): scratch."""
+    """pressure [Pa]: absolute, of the gas at the start; gamma; shortest [s]: a step in which sound passes half a cell; rooms
+    (m, 2): first column and column after the last of compartments; diagonal (size,): term of the pressure equation; middle
+    (size,): scratch."""
 
     pressure: float
     gamma: float
     shortest: float
+    rooms: Any
     diagonal: Any
     middle: Any
 
@@ -59,7 +61,8 @@ def cushion(grid: Grid, pressure: float, gamma: float, gas_density: float) -> Cu
     if pressure <= 0.0:
         return None
     shortest = 0.5 * min(grid.dx, grid.dy) * (gas_density / (gamma * pressure)) ** 0.5
-    return Cushion(pressure, gamma, shortest, np.zeros(grid.size), np.zeros(grid.size))
+    rooms = np.array(grid.rooms, dtype=np.int64)
+    return Cushion(pressure, gamma, shortest, rooms, np.zeros(grid.size), np.zeros(grid.size))
 
 
 def charge(mass: Array, q: Array, c: Array, grid: Grid, gas: Cushion, density: float) -> None:
@@ -160,26 +163,39 @@ def keep_velocity(acc: Any, w: Any, nu_x: Any, nu_y: Any, open_face: Any, rho: A
 
 
 @jit
-def soften(rhs: Any, q: Any, mass: Any, c: Any, u: Any, v: Any, gas: Any, density: float, per_time: float, dt: float, dx: float,
-           dy: float, nx: int, ny: int) -> None:  # fmt: skip
+def soften(rhs: Any, mass: Any, c: Any, u: Any, v: Any, gas: Any, density: float, per_time: float, dt: float, before: float,
+           dx: float, dy: float, nx: int, ny: int) -> None:  # fmt: skip
     """Set the diagonal term and change the right-hand side in cells whose gas can be compressed.
 
-    u, v: half-step velocities; per_time: share of their divergence that rhs undoes; density [kg/m3]: ρ_l.
+    u, v: half-step velocities; per_time: share of their divergence that rhs undoes; density [kg/m3]: ρ_l; before [s]: the step
+    before dt, which a tiny one between long ones must not part from: what it does is repeated by the long one after it.
     """
     s, area = nx + 2, dx * dy
-    span = max(dt, gas.shortest)
+    span = max(dt, gas.shortest, 0.5 * before)
     damping = min(span / DAMPING, MOST_DAMPING)
     ahead = PHI + damping
     undone = damping / (ahead * span)
-    per_undo = max(per_time, min(1.0 / dt, SOONEST * per_time))
+    per_undo = max(per_time, min(1.0 / span, SOONEST * per_time))
     for j in range(2, ny + 2):
         for k in range(j * s + 1, j * s + nx + 1):
             spread = dy * (u[k] - u[k - 1]) + dx * (v[k] - v[k - s])
             if c[k] > FULL:
                 gas.diagonal[k] = 0.0
-                rhs[k] += (per_time - per_undo) * spread + area * max(c[k] - 1.0, 0.0) * per_time * per_undo
+                rhs[k] += (per_time - per_undo) * spread
                 continue
             share = 1.0 - max(c[k], 0.0)
             pressure = gas.pressure * min(max(mass[k] / share, THINNEST), DENSEST) ** gas.gamma
             gas.diagonal[k] = area * share * density / (gas.gamma * pressure * ahead * span * span)
             rhs[k] += (per_time - undone) * spread + gas.diagonal[k] * (pressure - gas.pressure) / density
+    for m in range(gas.rooms.shape[0]):
+        low, high = gas.rooms[m, 0] + 1, gas.rooms[m, 1] + 1
+        soft = 0.0
+        for j in range(2, ny + 2):
+            for k in range(j * s + low, j * s + high):
+                soft += gas.diagonal[k]
+        if soft == 0.0:  # liquid alone has nowhere to go
+            continue
+        for j in range(2, ny + 2):
+            for k in range(j * s + low, j * s + high):
+                if c[k] > 1.0:  # what came in before a cell was full
+                    rhs[k] += area * (c[k] - 1.0) * per_time * per_undo

@@ -123,8 +123,8 @@ class SloshVof(Slave):
         if 0.0 < self.gas_pressure < THINNEST_GAS:
             raise StepError(
                 f"gas_pressure = {self.gas_pressure:g} Pa is hardly any gas. Remedy: its absolute pressure in Pa, 101325 at "
-                f"sea level ({self.gas_pressure:g} bar are {1e5 * self.gas_pressure:g} Pa), at least {THINNEST_GAS:g}; 0 for gas that "
-                "cannot be compressed"
+                f"sea level ({self.gas_pressure:g} bar are {1e5 * self.gas_pressure:g} Pa), at least {THINNEST_GAS:g}; "
+                "0 for gas that cannot be compressed"
             )
         try:
             self.tank = Tank(

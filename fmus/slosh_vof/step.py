@@ -184,12 +184,13 @@ def _extrapolate(q: Any, before: Any, ratio: float, n: int) -> None:
 
 @jit
 def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, frame: Any, places: Any, p: Any,
-               dt: float, tolerance: float, sides: Any, ribs: Any = None, gas: Any = None) -> tuple[int, float]:  # fmt: skip
+               dt: float, tolerance: float, sides: Any, ribs: Any = None, gas: Any = None,
+               before: float = 0.0) -> tuple[int, float]:  # fmt: skip
     """Acceleration and pressure at the time of the volume fractions in `state`.
 
     Needs half-step velocities and their mass fluxes over dt in `work`. sides: friction of the side walls (`side_walls.Sides`), or
     None: numba then compiles a kernel without it, whose results are to the bit those it had before; ribs (`partition.Partition`)
-    and gas (`cushion.Cushion`) likewise. Returns iterations and the residual over its limit.
+    and gas (`cushion.Cushion`) likewise; before [s]: the step before dt. Returns iterations and the residual over its limit.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -231,7 +232,7 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
     _divergence(work[RHS], ax, ay, u, v, 1.0 / time, dx, dy, first, n, s)
     limit = tolerance / time**2 * dx * dy
     if gas is not None:
-        soften(work[RHS], q, state[GAS], state[C], u, v, gas, p.liquid_density, 1.0 / time, dt, dx, dy, nx, ny)
+        soften(work[RHS], state[GAS], state[C], u, v, gas, p.liquid_density, 1.0 / time, dt, before, dx, dy, nx, ny)
         iterations, left = solve(q, work[RHS], work[KX], work[KY], limit, p.most_iterations, places.levels, coarse, work[:3],
                                  gas.diagonal)  # fmt: skip
         if ribs is not None:
@@ -291,7 +292,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
         ratio = dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0
         _extrapolate(state[Q], state[Q_BEFORE], ratio if ratio < FARTHEST else 0.0, state.shape[1])
         iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance, sides,
-                                          ribs, gas)  # fmt: skip
+                                          ribs, gas, notes[TIME_STEP])  # fmt: skip
         if not math.isfinite(residual):
             return NOT_FINITE
         fastest = _project(state[AX], state[U], work[U_HALF], state[Q], work[KX], dy, dt, first, n, 1) / dx
