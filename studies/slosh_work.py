@@ -1,9 +1,9 @@
 """Work a cycle that a tank takes out of a violent pitch motion, on several meshes.
 
 `python -m studies.slosh_work [--cells 50x16 100x30 …] [--cycles N] [--members N] [--gas-pressure PA]`: the preset's tank (0.5 x
-0.15 m, half full, 1.8 m behind the axis), water under air, pitch of one degree at 41 rad/s, about seven g at the tank; cycles from
-the sixth on. The flow is chaotic: single cycles scatter, and so do runs; members start from a spectrum of waves of 0.01 mm, their
-seeds 1 to N.
+0.15 m, half full, 1.8 m behind the axis), water under air, pitch of one degree at 41 rad/s, about seven g at the tank; cycles
+from the sixth on. The flow is chaotic: single cycles scatter, and so do runs; members start from a spectrum of waves of 0.01 mm,
+their seeds 1 to N.
 """
 
 from __future__ import annotations
