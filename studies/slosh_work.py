@@ -1,8 +1,9 @@
 """Work a cycle that a tank takes out of a violent pitch motion, on several meshes.
 
-`python -m studies.slosh_work [--cells 50x16 100x30 …] [--cycles N] [--members N]`: the preset's tank (0.5 x 0.15 m, half full,
-1.8 m behind the axis), water under air, pitch of one degree at 41 rad/s, about seven g at the tank; cycles from the sixth on. The
-flow is chaotic: single cycles scatter, and so do runs; members start from a spectrum of waves of 0.01 mm, their seeds 1 to N.
+`python -m studies.slosh_work [--cells 50x16 100x30 …] [--cycles N] [--members N] [--gas-pressure PA]`: the preset's tank (0.5 x
+0.15 m, half full, 1.8 m behind the axis), water under air, pitch of one degree at 41 rad/s, about seven g at the tank; cycles
+from the sixth on. The flow is chaotic: single cycles scatter, and so do runs; members start from a spectrum of waves of 0.01 mm,
+their seeds 1 to N.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from aeroslosh.fmus.slosh_vof.flow import Flow
+from aeroslosh.fmus.slosh_vof.flow import Flow, Fluids
 from aeroslosh.fmus.slosh_vof.grid import Grid
 from aeroslosh.fmus.slosh_vof.shape import Shape, fractions
 from aeroslosh.fmus.tank.liquid import Tank
@@ -38,12 +39,12 @@ def pitch(t: float) -> SectionMotion:
     return SectionMotion(alpha=AMPLITUDE * r * sin, alpha_dot=AMPLITUDE * rate, alpha_ddot=AMPLITUDE * acceleration)
 
 
-def work_a_cycle(nx: int, ny: int, cycles: int, seed: int) -> NDArray[np.float64]:
+def work_a_cycle(nx: int, ny: int, cycles: int, seed: int, gas_pressure: float = 0.0) -> NDArray[np.float64]:
     """Work [J/m] taken out of the motion in each cycle from the sixth on, shape (cycles,): minus that of the liquid on the tank.
 
-    Raises FlowError where the flow cannot be advanced.
+    gas_pressure [Pa]: of gas that can be compressed, 0 for one that cannot. Raises FlowError where the flow cannot be advanced.
     """
-    flow, step = Flow(Grid(TANK, nx, ny)), 2 * math.pi / OMEGA / STEPS
+    flow, step = Flow(Grid(TANK, nx, ny), Fluids(gas_pressure=gas_pressure)), 2 * math.pi / OMEGA / STEPS
     now = pitch(0.0)
     flow.start_from(fractions(Shape(spectrum=PERTURBATION, seed=seed), flow.grid, 0.0), now)
     power, found = flow.loads(now).moment * now.alpha_dot, []
@@ -64,10 +65,12 @@ def main() -> None:
     parser.add_argument("--cells", nargs="+", default=MESHES, metavar="NXxNY")
     parser.add_argument("--cycles", type=int, default=30)
     parser.add_argument("--members", type=int, default=4)
+    parser.add_argument("--gas-pressure", type=float, default=0.0, metavar="PA", help="gas that can be compressed")
     arguments = parser.parse_args()
     for cells in arguments.cells:
         nx, ny = (int(count) for count in cells.split("x"))
-        work = np.array([work_a_cycle(nx, ny, arguments.cycles, seed + 1) for seed in range(arguments.members)])
+        seeds = range(1, arguments.members + 1)
+        work = np.array([work_a_cycle(nx, ny, arguments.cycles, seed, arguments.gas_pressure) for seed in seeds])
         print(
             f"{cells}: {work.mean():.1f} J/m a cycle; members {np.round(work.mean(axis=1), 1)}, sd of single cycles "
             f"{work.std(axis=1, ddof=1).mean():.1f} ({arguments.cycles} each)",

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..tank.motion import SectionMotion, course
+from . import cushion, probes, side_walls, step
 from . import loads as wall
-from . import probes, side_walls, step
 from .grid import Grid
 from .multigrid import plan
 from .partition import partition
@@ -27,12 +27,18 @@ class FlowError(RuntimeError):
 
 @dataclass(frozen=True)
 class Fluids:
-    """Densities [kg/m3], kinematic viscosities [m2/s], surface tension [N/m]; the liquid's density is the tank's."""
+    """Densities [kg/m3], kinematic viscosities [m2/s], surface tension [N/m]; the liquid's density is the tank's.
+
+    gas_pressure [Pa]: absolute, the mean over the gas at the start, from which it is compressed by pressure ~ density^gas_gamma
+    (`cushion`); 0: it cannot be compressed.
+    """
 
     gas_density: float = 1.2
     liquid_viscosity: float = 1e-6
     gas_viscosity: float = 1.48e-5
     surface_tension: float = 0.0
+    gas_pressure: float = 0.0
+    gas_gamma: float = 1.4
 
 
 @dataclass(frozen=True)
@@ -96,9 +102,10 @@ class Flow:
         self.places = step.Places(grid.x, grid.y, grid.open_x, grid.open_y, levels)
         self.plates = np.array(grid.plates, dtype=np.int64).reshape(-1, 3)
         self.ribs = partition(grid)
-        self.state = np.zeros((step.STATE_ROWS, grid.size))
+        self.gas = cushion.cushion(grid, fluids.gas_pressure, fluids.gas_gamma, fluids.gas_density)
+        self.state = np.zeros((step.STATE_ROWS + (self.gas is not None), grid.size))
         self.work = np.zeros((step.WORK_ROWS, grid.size))
-        self.coarse = np.zeros((7, length), dtype=np.float32)
+        self.coarse = np.zeros((7 + (self.gas is not None), length), dtype=np.float32)
         self.surface = surface(grid.nx, grid.ny)
         self.layers = memory(grid.nx, grid.ny)
         self.notes = np.zeros(step.NOTES)
@@ -138,6 +145,8 @@ class Flow:
         q = self.state[step.Q]
         for row, face, width, ahead in ((step.AX, step.KX, n.dy, 1), (step.AY, step.KY, n.dx, self.grid.stride)):
             self.state[row, :-ahead] -= work[face, :-ahead] * (q[ahead:] - q[:-ahead]) / width
+        if self.gas is not None:
+            cushion.charge(self.state[step.GAS], q, self.state[step.C], self.grid, self.gas, n.liquid_density)
         self.state[step.Q_BEFORE] = self.state[step.Q]
         self.notes[:] = 0.0
         self.watch.rings[:] = 0.0
@@ -157,7 +166,7 @@ class Flow:
         table = course(start, end, duration)
         outcome = step.advance(
             self.state, self.work, self.coarse, self.surface, self.layers, self.notes, table, duration, self.places,
-            self.numbers, self.sides, self.watch if self.watch.cells.size else None, self.ribs)  # fmt: skip
+            self.numbers, self.sides, self.watch if self.watch.cells.size else None, self.ribs, self.gas)  # fmt: skip
         step.frame_force(table, 1.0, self.numbers.gravity, self.frame)
         notes = self.notes
         if outcome != step.OK:

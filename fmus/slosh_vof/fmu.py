@@ -44,6 +44,8 @@ SOLVED = (*ACCELERATED, "tank_length", "tank_height", "fill_level", *PLACE, "liq
 """What the pressure at the start is made of."""
 SURFACE = ("alpha", *SHAPE, "cells_x", "tank_length", "tank_height", "fill_level", "ribs")
 """What the surface at the walls is made of at the start."""
+THINNEST_GAS = 100.0
+"""Least pressure of gas that can be compressed [Pa]: below it a unit was mistaken."""
 
 
 def _force(name: str, text: str) -> Variable:
@@ -68,6 +70,10 @@ class SloshVof(Slave):
         parameter("side_wall_omega", 0.0, "rad/s", "Angular frequency of the laminar friction on front and back wall, tank_width "
                   "apart; 0 = no friction there", min=0.0, max=1e4, quantity="AngularVelocity"),
         parameter("surface_tension", 0.0, "N/m", "Surface tension", min=0.0, max=1e3, quantity="SurfaceTension"),
+        parameter("gas_pressure", 0.0, "Pa", "Absolute pressure of the gas at the start (its mean), from which it is compressed; "
+                  "0 = gas that cannot be compressed", min=0.0, max=1e7, quantity="Pressure"),
+        parameter("gas_gamma", Fluids.gas_gamma, "1", "Exponent of its pressure over its density: ratio of specific heats; "
+                  "1 = isothermal", min=1.0, max=2.0),
         parameter("initial_wave", 0.0, "m", "Amplitude of the first standing wave at the start, crest at the west (fore) wall"),
         parameter("initial_column", 0.0, "m", "Width of a column at the west (fore) wall that holds all liquid; 0 = none",
                   min=0.0, quantity="Length"),
@@ -114,6 +120,12 @@ class SloshVof(Slave):
             raise StepError(
                 "gas_density = 0 kg/m3, but the gas moves too. Remedy: above 0; 1e-4 of the liquid's is as good as none"
             )
+        if 0.0 < self.gas_pressure < THINNEST_GAS:
+            raise StepError(
+                f"gas_pressure = {self.gas_pressure:g} Pa is hardly any gas. Remedy: its absolute pressure in Pa, 101325 at "
+                f"sea level ({self.gas_pressure:g} bar are {1e5 * self.gas_pressure:g} Pa), at least {THINNEST_GAS:g}; "
+                "0 for gas that cannot be compressed"
+            )
         try:
             self.tank = Tank(
                 self.tank_length, self.tank_height, self.tank_width, self.fill_level, self.tank_x, self.tank_y,
@@ -121,7 +133,10 @@ class SloshVof(Slave):
             )  # fmt: skip
             baffles = Baffles(self.baffle_count, self.baffle_bottom, self.baffle_top)
             grid = Grid(self.tank, self.cells_x, self.cells_y, baffles, parse(self.ribs))
-            fluids = Fluids(self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension)
+            fluids = Fluids(
+                self.gas_density, self.liquid_viscosity, self.gas_viscosity, self.surface_tension, self.gas_pressure,
+                self.gas_gamma,
+            )  # fmt: skip
             numerics = Numerics(
                 self.cfl, self.tolerance, self.max_step, wall_slip=self.wall_slip, wall_layer=self.wall_layer,
                 side_wall_omega=self.side_wall_omega,

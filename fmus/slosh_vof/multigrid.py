@@ -42,12 +42,17 @@ def plan(nx: int, ny: int, dx: float, dy: float) -> tuple[NDArray[np.int64], int
 
 
 @jit
-def set_up(levels: Any, ke: Any, kn: Any, d: Any, di: Any) -> None:
-    """Coarse conductances, diagonals d and their inverses di on all levels from ke and kn of the first."""
+def set_up(levels: Any, ke: Any, kn: Any, d: Any, di: Any, own: Any = None) -> None:
+    """Coarse conductances, diagonals d and their inverses di on all levels from ke and kn of the first.
+
+    own: terms of the diagonal alone, those of the first level given; None for none.
+    """
     for level in range(levels.shape[0]):
         nx, ny, s, o = levels[level, 0], levels[level, 1], levels[level, 2], levels[level, 3]
         if level > 0:
             _coarsen(levels, level, ke, kn)
+            if own is not None:
+                _restrict(own, own, levels, level - 1)
         first, n = o + s, ny * s
         e, w = ke[first : first + n], ke[first - 1 : first - 1 + n]
         north, south = kn[first : first + n], kn[first - s : first - s + n]
@@ -56,6 +61,11 @@ def set_up(levels: Any, ke: Any, kn: Any, d: Any, di: Any) -> None:
             total = e[k] + w[k] + north[k] + south[k]
             dd[k] = total
             ii[k] = _ONE / total if total > 0.0 else np.float32(0.0)
+        if own is not None:
+            gg = own[first : first + n]
+            for k in range(n):
+                dd[k] += gg[k]
+                ii[k] = _ONE / dd[k] if dd[k] > 0.0 else np.float32(0.0)
         for j in range(ny):  # the ghost between rows sees the walls on both sides, but holds no equation
             dd[j * s], dd[j * s + nx + 1] = np.float32(0.0), np.float32(0.0)
             ii[j * s], ii[j * s + nx + 1] = np.float32(0.0), np.float32(0.0)

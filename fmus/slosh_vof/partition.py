@@ -79,10 +79,11 @@ def room_before_rib(beside: Any, k: int, step: int, most: int) -> int:
 
 
 @jit
-def settle(q: Any, c: Any, ribs: Any, nx: int, ny: int) -> None:
+def settle(q: Any, c: Any, ribs: Any, nx: int, ny: int, diagonal: Any = None) -> None:
     """Take a constant from the pressure of each compartment: the mean over its gas is 0 (over its roof where it has none).
 
     Nothing passes between compartments, so the pressure equation leaves each its constant; vented ones share the gas's pressure.
+    Where gas can be compressed (diagonal, flat: above 0) it has the pressure of its mass, and nothing is taken.
     """
     s = nx + 2
     if ribs.rooms.shape[0] < 2:
@@ -90,6 +91,8 @@ def settle(q: Any, c: Any, ribs: Any, nx: int, ny: int) -> None:
     for m in range(ribs.rooms.shape[0]):
         first, last = ribs.rooms[m, 0], ribs.rooms[m, 1]
         gas, total, roof = 0.0, 0.0, 0.0
+        if diagonal is not None and _any(diagonal, first, last, s, ny):
+            continue
         for j in range(2, ny + 2):
             for i in range(first, last):
                 share = 1.0 - min(max(c[j * s + i + 1], 0.0), 1.0)
@@ -101,6 +104,15 @@ def settle(q: Any, c: Any, ribs: Any, nx: int, ny: int) -> None:
         for j in range(2, ny + 2):
             for i in range(first, last):
                 q[j * s + i + 1] -= level
+
+
+@jit
+def _any(diagonal: Any, first: int, last: int, s: int, ny: int) -> bool:
+    for j in range(2, ny + 2):
+        for i in range(first, last):
+            if diagonal[j * s + i + 1] > 0.0:
+                return True
+    return False
 
 
 @jit

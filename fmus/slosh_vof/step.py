@@ -5,7 +5,7 @@ waves and the tank's acceleration are second order in time for any sequence of s
 half step.
 
 Rows of `state`: C volume fraction, U, V velocities, AX, AY accelerations (all at the same time, both free of divergence), Q
-pressure over liquid density, Q_BEFORE that of the step before. Rows of `work`: scratch.
+pressure over liquid density, Q_BEFORE that of the step before; GAS its mass, where it can be compressed. Rows of `work`: scratch.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ..kit.cache import argument
 from ..kit.compiled import jit
 from .advection import advect
 from .curvature import curvature
+from .cushion import carry, keep_velocity, soften
 from .forces import interface_forces
 from .momentum import LIQUID as FULL
 from .momentum import component, mirror, shear, wall_ghosts
@@ -28,8 +29,8 @@ from .probes import sample
 from .side_walls import hold_back
 from .wall_layer import wall_shear
 
-C, U, V, AX, AY, Q, Q_BEFORE = range(7)
-STATE_ROWS = 7
+C, U, V, AX, AY, Q, Q_BEFORE, GAS = range(8)
+STATE_ROWS = 7  # and GAS with a cushion
 NU_X, NU_Y, FLUX_X, FLUX_Y, MIDDLE, NEW, OLD_RHO, RHO, LIQUID, MU, TAU, MASS_X, MASS_Y, ALONG, ACROSS, KX, KY, RHS = range(18)
 U_HALF, V_HALF = 18, 19
 WORK_ROWS = 20
@@ -183,12 +184,13 @@ def _extrapolate(q: Any, before: Any, ratio: float, n: int) -> None:
 
 @jit
 def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, frame: Any, places: Any, p: Any,
-               dt: float, tolerance: float, sides: Any, ribs: Any = None) -> tuple[int, float]:  # fmt: skip
+               dt: float, tolerance: float, sides: Any, ribs: Any = None, gas: Any = None,
+               before: float = 0.0) -> tuple[int, float]:  # fmt: skip
     """Acceleration and pressure at the time of the volume fractions in `state`.
 
     Needs half-step velocities and their mass fluxes over dt in `work`. sides: friction of the side walls (`side_walls.Sides`), or
     None: numba then compiles a kernel without it, whose results are to the bit those it had before; ribs (`partition.Partition`)
-    likewise. Returns iterations and the residual over its limit.
+    and gas (`cushion.Cushion`) likewise; before [s]: the step before dt. Returns iterations and the residual over its limit.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -212,6 +214,9 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
     force = (frame[1] + 0.5 * dy * frame[3], frame[2], frame[3], 2.0 * frame[4])
     component(ay, v, u, places.open_y, old, rho, work[MASS_Y], work[MASS_X], liquid, mu, tau, places.x, places.y, force, dt, dy,
               dx, 1.0 / p.liquid_density, work[ALONG], work[ACROSS], first, n, s, 1, ribs)  # fmt: skip
+    if gas is not None:
+        keep_velocity(ax, u, work[NU_X], work[NU_Y], places.open_x, rho, p.gas_density, 1.0 / dt, first, n, 1, s)
+        keep_velocity(ay, v, work[NU_X], work[NU_Y], places.open_y, rho, p.gas_density, 1.0 / dt, first, n, s, s)
     if sides is not None:
         hold_back(ax, u, places.open_x, state[C], rho, p, sides, first, n, 1)
         hold_back(ay, v, places.open_y, state[C], rho, p, sides, first, n, s)
@@ -226,6 +231,13 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
     time = max(dt, math.sqrt(min(dx, dy) / (100.0 * p.gravity)))
     _divergence(work[RHS], ax, ay, u, v, 1.0 / time, dx, dy, first, n, s)
     limit = tolerance / time**2 * dx * dy
+    if gas is not None:
+        soften(work[RHS], state[GAS], state[C], u, v, gas, p.liquid_density, 1.0 / time, dt, before, dx, dy, nx, ny)
+        iterations, left = solve(q, work[RHS], work[KX], work[KY], limit, p.most_iterations, places.levels, coarse, work[:3],
+                                 gas.diagonal)  # fmt: skip
+        if ribs is not None:
+            settle(q, state[C], ribs, nx, ny, gas.diagonal)
+        return iterations, left
     iterations, left = solve(q, work[RHS], work[KX], work[KY], limit, p.most_iterations, places.levels, coarse, work[:3])
     if ribs is not None:
         settle(q, state[C], ribs, nx, ny)
@@ -234,12 +246,12 @@ def accelerate(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, fr
 
 @jit
 def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes: Any, course: Any, duration: float,
-            places: Any, p: Any, sides: Any, watch: Any, ribs: Any = None) -> int:  # fmt: skip
+            places: Any, p: Any, sides: Any, watch: Any, ribs: Any = None, gas: Any = None) -> int:  # fmt: skip
     """Advance the flow by `duration` [s] in a frame that follows `course`; in place. Returns OK or what went wrong.
 
     notes (7,): last time step, steps, iterations, steps whose pressure did not converge, worst residual over its limit, which
     sweep comes first, and the largest Courant number per second: read and kept. Probes
-    of `watch` are read after every internal step; None for none, as of `sides` and `ribs`.
+    of `watch` are read after every internal step; None for none, as of `sides`, `ribs` and `gas`.
     """
     nx, ny, dx, dy = p.nx, p.ny, p.dx, p.dy
     s = nx + 2
@@ -266,6 +278,10 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
                 return TOO_SMALL
         advect(state[C], work[NEW], work[MIDDLE], work[NU_X], work[NU_Y], work[FLUX_X], work[FLUX_Y], surface, nx, ny,
                notes[Y_FIRST] > 0.0, ribs)  # fmt: skip
+        if gas is not None:
+            carry(state[GAS], state[C], work[MIDDLE], work[NU_X], work[NU_Y], work[FLUX_X], work[FLUX_Y], state[Q], gas,
+                  p.liquid_density / gas.pressure, work[ALONG], places.open_x, places.open_y, nx, ny,
+                  notes[Y_FIRST] > 0.0)  # fmt: skip
         notes[Y_FIRST] = 1.0 - notes[Y_FIRST]
         _mass(work[MASS_X], work[NU_X], work[FLUX_X], p, first, n)
         _mass(work[MASS_Y], work[NU_Y], work[FLUX_Y], p, first, n)
@@ -276,7 +292,7 @@ def advance(state: Any, work: Any, coarse: Any, surface: Any, layers: Any, notes
         ratio = dt / notes[TIME_STEP] if notes[TIME_STEP] > 0.0 else 0.0
         _extrapolate(state[Q], state[Q_BEFORE], ratio if ratio < FARTHEST else 0.0, state.shape[1])
         iterations, residual = accelerate(state, work, coarse, surface, layers, frame, places, p, dt, p.tolerance, sides,
-                                          ribs)  # fmt: skip
+                                          ribs, gas, notes[TIME_STEP])  # fmt: skip
         if not math.isfinite(residual):
             return NOT_FINITE
         fastest = _project(state[AX], state[U], work[U_HALF], state[Q], work[KX], dy, dt, first, n, 1) / dx

@@ -81,13 +81,28 @@ def check(case: Case, fmus: Mapping[str, Path]) -> None:
     fmus: component or FMU name → file. Raises AeroSloshError with file, line and key (or the override)."""
     for table in TABLES:
         for name, value in getattr(case, table).parameters.items():
-            key = f"{table}.{KEY}.{name}"
-            where = case.places.get(key) or case.places.get(f"{table}.{KEY}") or f"{case.source or case.name}, key {key}"
+            key, where = f"{table}.{KEY}.{name}", place(case, table, name)
             if name in RESERVED[table]:
                 raise AeroSloshError(f"{key}: the case sets {name} itself", where, f"give {RESERVED[table][name]}")
             files = [fmus[fmu] for fmu in _fmus(case, table) if fmu in fmus]
             if files:
                 _check_one(table, name, value, files, where)
+
+
+def place(case: Case, table: str, name: str) -> str:
+    """File, line and key (or the override) that gave the parameter."""
+    key = f"{table}.{KEY}.{name}"
+    return case.places.get(key) or case.places.get(f"{table}.{KEY}") or f"{case.source or case.name}, key {key}"
+
+
+def blamed(case: Case, table: str, told: str) -> str | None:
+    """The parameter of the case's table that an FMU's error speaks of first, by name or by its text; None for none."""
+    given = getattr(case, table).parameters
+    spots = {name: told.find(name) for name in given} | {
+        name: told.find(value) for name, value in given.items() if name not in told and isinstance(value, str) and value
+    }
+    named = [name for name, spot in spots.items() if spot >= 0]
+    return min(named, key=lambda name: spots[name]) if named else None
 
 
 def values(parameters: Mapping[str, Any], variables: Mapping[str, Any]) -> dict[str, Value]:

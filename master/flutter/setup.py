@@ -52,6 +52,16 @@ def not_known(V_f: float) -> float:
     return 0.0
 
 
+def _tank(case: Case, fmus: dict[str, Path]) -> fuel_tank.Tank:
+    """The liquid, tried at rest. Raises AeroSloshError, bad input, where its FMU refuses what the case gives (a shape, ribs)."""
+    try:
+        return fuel_tank.Tank(case.slosh, fmus)
+    except ComponentError as error:
+        if (key := fmu_parameters.blamed(case, "slosh", error.what)) is None:
+            raise
+        raise AeroSloshError(error.what, fmu_parameters.place(case, "slosh", key), error.remedy) from None
+
+
 class FlutterSetup:
     """Structure, aero and slosh FMU at one Mach number. Use as a context manager.
 
@@ -82,7 +92,7 @@ class FlutterSetup:
         with ExitStack() as opened:  # what is made is freed again unless all of it can be
             self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))
             self.aero = opened.enter_context(closing(Component(fmus["aero"], "aero")))
-            self.tank = opened.enter_context(closing(fuel_tank.Tank(case.slosh, fmus))) if case.slosh.model != "none" else None
+            self.tank = opened.enter_context(closing(_tank(case, fmus))) if case.slosh.model != "none" else None
             tank = self.tank
             if tank is not None and tank.validity is not None and not fuel_tank.holds(tank.validity, tank.edge):
                 told = fuel_tank.broken(tank.validity, tank.edge)

@@ -53,7 +53,8 @@ def test_description_has_no_problems_and_the_shared_interface(fmu: Fmu) -> None:
               "wall_slip", "wall_layer", "motion_prediction", "surface_tension",
               "initial_wave", "baffle_count", "baffle_bottom", "baffle_top", "field_folder", "probe_count",
               "probe_window", "gauge_count", "side_wall_omega",
-              "initial_column", "initial_spectrum", "initial_seed", "initial_file", "ribs"}  # fmt: skip
+              "initial_column", "initial_spectrum", "initial_seed", "initial_file", "ribs", "gas_pressure",
+              "gas_gamma"}  # fmt: skip
     wanted |= {f"probe{n}_{name}" for n in range(1, 7) for name in ("x", "y", "extent")} | {f"gauge{n}_x" for n in range(1, 5)}
     assert kinds["input"] == motion
     assert kinds["output"] == loads

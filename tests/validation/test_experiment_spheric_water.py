@@ -21,8 +21,9 @@ IMPACT = 500.0  # [Pa] that tells an impact
 WINDOW = 0.02  # [s]
 
 
-def run(cells: tuple[int, int], duration: float) -> Record:
-    flow = Flow(Grid(TANK, *cells), Fluids(liquid_viscosity=1e-6), sensors=(Probe(0.0, 0.093),))
+def run(cells: tuple[int, int], duration: float, gas_pressure: float = 0.0) -> Record:
+    fluids = Fluids(liquid_viscosity=1e-6, gas_pressure=gas_pressure)
+    flow = Flow(Grid(TANK, *cells), fluids, sensors=(Probe(0.0, 0.093),))
     motion = roll()
     flow.start(motion(0.0))
     return record(flow, motion, duration, 1e-3)
@@ -78,3 +79,24 @@ def test_a_peak_grows_with_the_mesh_and_a_mean_over_20_ms_settles() -> None:
     assert tops[2] > 1.5 * tops[0]
     np.testing.assert_allclose(means[1:], wanted, rtol=0.125)
     assert abs(means[0] / wanted - 1.0) < 0.5 * (tops[0] / (100 * peaks.mean()) - 1.0)
+
+
+def test_a_cushion_of_gas_stops_the_peaks_growth_and_leaves_the_20_ms_mean() -> None:
+    """With air at sea level a finer mesh has no higher peak; it is still more than one and a half times the measured one."""
+    theirs = measured()
+    start = arrivals(theirs.t, theirs.pressure[:, 0], IMPACT)[0]
+    peaks = table("spheric10_water_4first_peak_lateral_impact_tto_0_85_h93_b1x.csv")["p1"]
+    wanted = largest_mean(theirs, start, WINDOW)
+    tops, means = [], []
+    for cells in ((90, 51), (180, 102), (360, 204)):
+        seen = run(cells, 2.6, 101325.0)
+        at = arrivals(seen.t, seen.pressure[:, 0], IMPACT)[0]
+        tops.append(float(seen.pressure[:, 0].max()))
+        means.append(largest_mean(seen, at, WINDOW))
+        print(
+            f"{cells[0]}x{cells[1]}, air at sea level: arrival {at:.3f} s, peak {tops[-1]:.0f}, lowest "
+            f"{seen.pressure[:, 0].min():.0f}, 5 ms mean {largest_mean(seen, at, 0.005):.0f}, 20 ms mean {means[-1]:.0f} Pa"
+        )
+    assert tops[2] < 1.2 * tops[0]
+    assert min(tops) > 1.5 * 100 * peaks.mean()
+    np.testing.assert_allclose(means[1:], wanted, rtol=0.3)

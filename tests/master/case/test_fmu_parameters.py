@@ -13,6 +13,7 @@ from aeroslosh.master.base.errors import AeroSloshError, ExitCode
 from aeroslosh.master.case import case as cases
 from aeroslosh.master.case import fmu_parameters, fuel_tank
 from aeroslosh.master.case.case import Case
+from aeroslosh.master.flutter.setup import FlutterSetup
 from aeroslosh.master.fmi.component import Component, ComponentError
 from aeroslosh.master.sweeps import parameters, plan
 
@@ -237,3 +238,29 @@ def test_sweeps_over_them(tmp_path: Path, fmus: dict[str, Path]) -> None:
     assert [p.case.slosh.parameters["cfl"] for p in real.points] == [0.1, 0.3, 0.5]
     with pytest.raises(AeroSloshError, match=r"baffle_count = 20 is out of range[\s\S]*point 2 of the sweep"):
         made('[sweep.parameters]\n"slosh.parameters.baffle_count" = [2, 20]\n')
+
+
+@pytest.mark.parametrize(
+    ("line", "says", "remedy"),
+    [
+        ('initial_file = "nowhere.csv"', "nowhere.csv cannot be read", "initial_file"),
+        ("initial_wave = 0.2", "initial_wave = 0.2 m leaves the tank", "amplitude"),
+        ("initial_column = 0.01", "initial_column = 0.01 m", "from 0.25 to 0.5 m"),
+        ('ribs = "x=0.3"', "x=0.3 m lies outside the tank", "between -0.25 and 0.25 m"),
+        ('ribs = "middle"', "ribs: 'middle'", "x in metres"),
+        ("gas_pressure = 1.013", "gas_pressure = 1.013 Pa is hardly any gas", "1.013 bar are 101300 Pa"),
+    ],
+)
+def test_what_the_tank_refuses_is_bad_input_before_the_steady_flow(
+    tmp_path: Path, fmus: dict[str, Path], line: str, says: str, remedy: str
+) -> None:
+    """Exit code 2 with file, line, key and remedy, and no flow computed."""
+    path, said = tmp_path / "tank.toml", []
+    path.write_text(HEAD + "[slosh.parameters]\n" + line + "\n")
+    with pytest.raises(AeroSloshError) as raised:
+        FlutterSetup(cases.load(path), fmus, 0.5, say=said.append)
+    error = raised.value
+    assert error.code == ExitCode.INPUT and type(error) is AeroSloshError
+    assert not [text for text in said if "steady flow" in text]
+    assert says in error.what and remedy in str(error)
+    assert f"tank.toml, line 14, key slosh.parameters.{line.split()[0]}" in error.where
