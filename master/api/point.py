@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -190,20 +190,13 @@ def compute(
         if len(ensemble.seeds(case)) > 1 and march.failure is None:
             found = members.gathered(ensemble.of_march(march, case.slosh.seed))
             march = ensemble.averaged(march, found, case.flutter.neutral_band)
-        change = _error_bar(case, fmus, march, say)
+        wanted = case.flutter.companion
+        change = coarse_marches.beside(case, fmus, march, say) if wanted else coarse_marches.Change()
         march = coarse_marches.widened(march, change)
         data = summary.march_data(march, setup.steady_cpu, change) | {"airfoil_summary": setup.airfoil_summary or None}
         if folder is not None:
             folder.log_messages(setup.system.components)
         return Computed(march, data, provenance(hashes), setup.airfoil_summary)
-
-
-def _error_bar(case: cases.Case, fmus: dict[str, Path], march: March, say: Callable[[str], None]) -> coarse_marches.Change:
-    """What coarse marches tell of the error bar of `march`'s critical mode; nothing where they are not wanted or it has none."""
-    if not case.flutter.companion or march.failure is not None or march.fit is None:
-        return coarse_marches.Change()
-    pole = complex(march.fit.growth_rate, march.fit.frequency)
-    return coarse_marches.change(lambda of, mach: FlutterSetup(of, fmus, mach), case, march, pole, say)
 
 
 def write(case: cases.Case, computed: Computed, folder: RunFolder) -> None:

@@ -119,7 +119,9 @@ class Flutter:
     max_alpha_deg: float = key(12.0, "the march ends when |alpha| exceeds this", "deg", above=0.0, high=90.0)
     neutral_band: float = key(5e-4, "|growth rate| / omega_alpha below this is called neutral", low=0.0, high=0.1)
     companion: bool = key(
-        True, "of `point`: two marches on a coarser mesh with longer steps, one with half the amplitude, into the error bars"
+        True,
+        "of `point`: two marches on a coarser mesh with longer steps, one with half the amplitude, into the error bars; "
+        "in a sweep only where its case sets it",
     )
 
 

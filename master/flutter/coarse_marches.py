@@ -2,8 +2,11 @@
 
 Mesh, step and outer boundary are coarsened together by the same factor, so that what they change is one error that falls with
 it; a second coarse march forced by half the amplitude tells what the amplitude changes. Together they cost about 0.6 of the
-march that they stand beside. A two-phase liquid costs as much whatever the air's mesh, and scatters by itself: of it these parts
-are not had.
+march that they stand beside.
+
+A two-phase liquid costs as much whatever the air's mesh, and scatters by itself. What the air's mesh and step change is told by
+two marches that carry the liquid frozen, fine and coarse: the flow sees a motion of the same frequency. The tank's own mesh is
+not in it, nor the amplitude, which is no error of a result that is said at an amplitude.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 from ..base.errors import AeroSloshError
 from ..case.case import Case
@@ -19,6 +23,8 @@ from .march import March
 from .setup import FlutterSetup
 
 PARTS = ("discretisation", "amplitude")
+TWO_PHASE = ("amplitude", "tank mesh")
+"""Parts of a march with a two-phase liquid that nothing here tells."""
 COARSER = 1.5  # the ratio of cell sizes, steps and distances of the outer boundary
 SHARE = 1.0  # of the difference to the coarse march that the own one is taken to be off: an order of 1.7 (docs/boundary.md)
 SAME_MODE = 0.25  # difference of poles, relative to the frequency, within which two marches tell of one mode
@@ -49,6 +55,12 @@ def coarse_case(case: Case) -> Case:
     return dataclasses.replace(case, aero=aero)
 
 
+def frozen(case: Case) -> Case:
+    """`case` with the liquid carried as frozen mass."""
+    slosh = dataclasses.replace(case.slosh, model="frozen", predictor="none", members=1, parameters={})
+    return dataclasses.replace(case, slosh=slosh)
+
+
 def change(
     open_setup: Callable[[Case, float], FlutterSetup],
     case: Case,
@@ -58,18 +70,26 @@ def change(
 ) -> Change:
     """What coarse marches tell of the mode at `pole` (growth rate and frequency over omega_alpha) in `march`, of `case`. A part
     that cannot be had is missing, and said."""
-    if case.slosh.model == "vof":
-        return Change(missing=PARTS)
+    two_phase = case.slosh.model == "vof"
+    if two_phase:
+        case = frozen(case)
     rough, f, mach, V_f = coarse_case(case), case.flutter, march.scales.mach, march.scales.V_f
     steps = max(12, round(march.scales.steps_per_cycle / COARSER))
     amplitude = f.forced_amplitude_deg
     cells = f"{rough.aero.cells_around} x {rough.aero.cells_normal}"
-    say(f"error bar: marches on {cells} cells, {amplitude:g} and {0.5 * amplitude:g} degrees")
+    shares = (1.0,) if two_phase else (1.0, 0.5)
+    degrees = " and ".join(f"{share * amplitude:g}" for share in shares)
+    say(f"error bar: marches on {cells} cells, {degrees} degrees" + (", with the liquid frozen" if two_phase else ""))
     marches: list[March] = []
     steady_cpu = 0.0
     try:
+        if two_phase:
+            with open_setup(case, mach) as setup:
+                marches.append(flutter_march.march(setup, V_f))
+                steady_cpu += setup.steady_cpu
+            pole = _nearest(marches[0], pole)
         with open_setup(rough, mach) as setup:
-            for share in (1.0, 0.5):
+            for share in shares:
                 flutter = dataclasses.replace(
                     f,
                     steps_per_cycle=steps,
@@ -78,19 +98,30 @@ def change(
                 )
                 setup.case = dataclasses.replace(rough, flutter=flutter)
                 marches.append(flutter_march.march(setup, V_f))
-            steady_cpu = setup.steady_cpu
+            steady_cpu += setup.steady_cpu
     except AeroSloshError as error:
         say(f"error bar: no coarse march: {error.what}")
-        return Change(missing=PARTS, marches=tuple(marches), steady_cpu=steady_cpu)
-    coarse, half = (_nearest(other, pole) for other in marches)
-    parts = {"discretisation": SHARE * (pole - coarse), "amplitude": half - coarse}
+        return Change(missing=(PARTS[0], *TWO_PHASE) if two_phase else PARTS, marches=tuple(marches), steady_cpu=steady_cpu)
+    coarse = _nearest(marches[-1 if two_phase else 0], pole)
+    parts = {"discretisation": SHARE * (pole - coarse)}
+    if not two_phase:
+        parts["amplitude"] = _nearest(marches[1], pole) - coarse
     known = {name: value for name, value in parts.items() if math.isfinite(value.real)}
-    missing = tuple(name for name in PARTS if name not in known)
+    missing = tuple(name for name in parts if name not in known)
     if missing:
         say(f"error bar: the coarse marches do not show this mode; not in it: {', '.join(missing)}")
+    missing += TWO_PHASE if two_phase else ()
     rates = {name: value.real for name, value in known.items()}
     frequencies = {name: value.imag for name, value in known.items()} if pole.imag else {}
     return Change(rates, frequencies, missing, tuple(marches), steady_cpu)
+
+
+def beside(case: Case, fmus: dict[str, Path], march: March, say: Callable[[str], None] = lambda text: None) -> Change:
+    """What coarse marches tell of the critical mode of `march`, of `case`; nothing where it has none."""
+    if march.failure is not None or march.fit is None:
+        return Change()
+    pole = complex(march.fit.growth_rate, march.fit.frequency)
+    return change(lambda of, mach: FlutterSetup(of, fmus, mach), case, march, pole, say)
 
 
 def widened(march: March, told: Change) -> March:

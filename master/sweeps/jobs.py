@@ -19,7 +19,7 @@ from ..boundary import solve
 from ..case.case import Case
 from ..case.fuel_tank import FMU
 from ..case.scales import scales
-from ..flutter import ensemble
+from ..flutter import coarse_marches, ensemble
 from ..flutter import march as flutter_march
 from ..flutter.march import March
 from ..flutter.setup import FlutterSetup
@@ -215,10 +215,14 @@ def steps(job: Job) -> int:
 
 
 def _point(job: Job, bench: Bench) -> Computed:
-    """One march."""
-    setup = bench.setup(job)
-    march = ensemble.march(setup, job.case.flutter.V_f)
-    result = summary.march_data(march, setup.steady_cpu) | {"airfoil_summary": setup.airfoil_summary or None}
+    """One march; its coarse companions only where the sweep asks for them itself: they cost as much as half the sweep."""
+    setup, case = bench.setup(job), job.case
+    march = ensemble.march(setup, case.flutter.V_f)
+    told = None
+    if case.flutter.companion and "flutter.companion" in case.given:
+        told = coarse_marches.beside(case, job.fmus, march)
+        march = coarse_marches.widened(march, told)
+    result = summary.march_data(march, setup.steady_cpu, told) | {"airfoil_summary": setup.airfoil_summary or None}
     failure = march.failure
     cause, trace = (failure.what, f"{failure}\n{failure.traceback}") if failure else ("", "")
     return Computed(result, trust.verdict(march) is not Verdict.UNDETERMINED, [march], cause, trace)

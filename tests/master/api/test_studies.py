@@ -128,6 +128,17 @@ def test_a_sweep_is_a_dataset_over_its_keys(case: ae.Case, flutter_fmus: Path, t
     assert more.equals(grid)  # nothing is computed again: its times would differ
 
 
+def test_a_sweep_that_asks_for_them_has_the_error_bars_of_a_point(case: ae.Case, flutter_fmus: Path) -> None:
+    """Coarse companions, which a sweep leaves out by default."""
+    one = ae.point(case, V_f=2.4, fmus=flutter_fmus)
+    bare, asked = (
+        ae.sweep(of, {"flutter.V_f": [2.4]}, workers=1, fmus=flutter_fmus)
+        for of in (case, case.changed({"flutter.companion": True}))
+    )
+    assert float(asked.growth_rate_uncertainty[0]) == pytest.approx(one.growth_rate_uncertainty, rel=1e-6)
+    assert 0.0 < float(bare.growth_rate_uncertainty[0]) < float(asked.growth_rate_uncertainty[0])
+
+
 def test_lists_and_failures_are_points(case: ae.Case, flutter_fmus: Path) -> None:
     table = {"flutter.V_f": [1.0, 2.4, 2.0], "flow.airfoil": ["NACA 0012", "NACA 0012", "FAIL 30"]}
     found = ae.sweep(case, table, mode="list", workers=1, fmus=flutter_fmus)

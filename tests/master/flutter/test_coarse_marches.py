@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -40,6 +41,13 @@ def change(case: Case, march: March, fmus: dict[str, Path], pole: complex | None
     return coarse_marches.change(lambda of, mach: FlutterSetup(of, fmus, mach), case, march, own)
 
 
+def wet(model: str, **keys: object) -> Case:
+    """A case with a liquid."""
+    case = Case()
+    case.flow.mach = MACH
+    return dataclasses.replace(case, slosh=dataclasses.replace(case.slosh, model=model, **keys))
+
+
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("V_f", [0.4, 0.9, 1.5, 2.4])
 def test_the_truth_is_inside(fmus: dict[str, Path], V_f: float, order: int) -> None:
@@ -72,10 +80,29 @@ def test_another_mode_is_no_comparison(marched: tuple[Case, March], fmus: dict[s
     assert told.missing == coarse_marches.PARTS and not told.growth_rate
 
 
-def test_a_two_phase_liquid_is_not_marched_again(marched: tuple[Case, March], fmus: dict[str, Path]) -> None:
-    case, march = marched
-    vof = dataclasses.replace(case, slosh=dataclasses.replace(case.slosh, model="vof"))
-    assert change(vof, march, fmus) == coarse_marches.Change(missing=coarse_marches.PARTS)
+def test_a_two_phase_liquid_is_frozen_for_what_the_air_changes(fmus: dict[str, Path]) -> None:
+    """The part of mesh and step is that of the frozen liquid, to the bit; the others are named as missing, no two-phase march is
+    made and the tank's own parameters are left out."""
+    vof = wet("vof", parameters={"cells_x": 24}, members=3)
+    still = coarse_marches.frozen(vof)
+    with FlutterSetup(still, fmus, MACH) as setup:
+        march = flutter_march.march(setup, 0.6)
+    told, as_frozen = change(vof, march, fmus), change(still, march, fmus)
+    assert told.growth_rate == {"discretisation": as_frozen.growth_rate["discretisation"]}
+    assert 0.0 < abs(told.growth_rate["discretisation"]) < 1e-2
+    assert told.missing == coarse_marches.TWO_PHASE
+    assert [m.slosh for m in told.marches] == ["frozen", "frozen"]
+
+
+def test_without_the_fmu_of_the_frozen_liquid_the_parts_are_missing(flutter_fmus: Path, tmp_path: Path) -> None:
+    for name in ("structure", "aero"):
+        shutil.copy(flutter_fmus / f"{name}.fmu", tmp_path)
+    few = {name: tmp_path / f"{name}.fmu" for name in ("structure", "aero")}
+    dry = wet("none")
+    with FlutterSetup(dry, few, MACH) as setup:
+        march = flutter_march.march(setup, 0.6)
+    told = change(wet("vof"), march, few)
+    assert told == coarse_marches.Change(missing=("discretisation", *coarse_marches.TWO_PHASE))
 
 
 def test_a_point_carries_them_unless_told_not_to(flutter_fmus: Path) -> None:
