@@ -131,7 +131,8 @@ class Field:
     def evaluate(self, kind: type = np.float64) -> None:
         """Net outward flux of every cell into `out`, and the wall pressure.
 
-        kind: number type of the arithmetic. float32 takes half the time; fluxes are then wrong by some 1e-7 of the pressure.
+        kind: number type of the arithmetic. float32 takes half the time; the fluxes of a cell are then wrong by some 1e-6 of
+        the pressure times its faces' length.
         """
         self.find_pressure()
         if kind not in self._arithmetic:

@@ -28,7 +28,7 @@ RETRIES = (1.0, 0.25, 0.1)
 PREDICTED = 0.1
 """Largest relative change of density or energy that is predicted in a cell."""
 SINGLE = 5e-7
-"""rms density change at which a step ends beyond which fluxes are found in single precision: some 1e-7 are lost by it."""
+"""rms density change at which a step ends beyond which fluxes are found in single precision, which rounds by 1e-7."""
 NEAR_SHARE = 0.4
 """Part of the quadratic prediction that cells near the trailing edge take."""
 CAUTION = 0.25

@@ -97,9 +97,7 @@ class Tank:
     Raises ComponentError when the FMU fails, AeroSloshError when it is none of a slosh model."""
 
     def __init__(self, settings: cases.Slosh, fmus: dict[str, Path]) -> None:
-        name = FMU[settings.model]
-        # a liquid carried frozen for an error bar may be none that the case names: its FMU lies where the others do
-        path, self._settings = fmus[name] if name in fmus else fmus["aero"].with_name(f"{name}.fmu"), settings
+        path, self._settings = fmus[FMU[settings.model]], settings
         self.moving: Component | None = None
         self.surrogate: Component | None = None
         try:

@@ -77,17 +77,18 @@ def change(
     steps = max(12, round(march.scales.steps_per_cycle / COARSER))
     amplitude = f.forced_amplitude_deg
     cells = f"{rough.aero.cells_around} x {rough.aero.cells_normal}"
-    shares = (1.0,) if two_phase else (1.0, 0.5)
+    shares, untold = ((1.0,), TWO_PHASE) if two_phase else ((1.0, 0.5), ())
     degrees = " and ".join(f"{share * amplitude:g}" for share in shares)
     say(f"error bar: marches on {cells} cells, {degrees} degrees" + (", with the liquid frozen" if two_phase else ""))
     marches: list[March] = []
+    fine: list[March] = []  # with the liquid frozen, in place of the march itself
     steady_cpu = 0.0
     try:
         if two_phase:
             with open_setup(case, mach) as setup:
-                marches.append(flutter_march.march(setup, V_f))
+                fine.append(flutter_march.march(setup, V_f))
                 steady_cpu += setup.steady_cpu
-            pole = _nearest(marches[0], pole)
+            pole = _nearest(fine[0], pole)
         with open_setup(rough, mach) as setup:
             for share in shares:
                 flutter = dataclasses.replace(
@@ -101,19 +102,16 @@ def change(
             steady_cpu += setup.steady_cpu
     except AeroSloshError as error:
         say(f"error bar: no coarse march: {error.what}")
-        return Change(missing=(PARTS[0], *TWO_PHASE) if two_phase else PARTS, marches=tuple(marches), steady_cpu=steady_cpu)
-    coarse = _nearest(marches[-1 if two_phase else 0], pole)
-    parts = {"discretisation": SHARE * (pole - coarse)}
-    if not two_phase:
-        parts["amplitude"] = _nearest(marches[1], pole) - coarse
+        return Change(missing=(PARTS[0], *untold) if two_phase else PARTS, marches=(*fine, *marches), steady_cpu=steady_cpu)
+    coarse, *halved = (_nearest(other, pole) for other in marches)
+    parts = dict(zip(PARTS, (SHARE * (pole - coarse), *(half - coarse for half in halved)), strict=False))
     known = {name: value for name, value in parts.items() if math.isfinite(value.real)}
     missing = tuple(name for name in parts if name not in known)
     if missing:
         say(f"error bar: the coarse marches do not show this mode; not in it: {', '.join(missing)}")
-    missing += TWO_PHASE if two_phase else ()
     rates = {name: value.real for name, value in known.items()}
     frequencies = {name: value.imag for name, value in known.items()} if pole.imag else {}
-    return Change(rates, frequencies, missing, tuple(marches), steady_cpu)
+    return Change(rates, frequencies, missing + untold, (*fine, *marches), steady_cpu)
 
 
 def beside(case: Case, fmus: dict[str, Path], march: March, say: Callable[[str], None] = lambda text: None) -> Change:

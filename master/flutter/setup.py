@@ -54,8 +54,11 @@ def not_known(V_f: float) -> float:
 
 def _tank(case: Case, fmus: dict[str, Path]) -> fuel_tank.Tank:
     """The liquid, tried at rest. Raises AeroSloshError, bad input, where its FMU refuses what the case gives (a shape, ribs)."""
+    name = fuel_tank.FMU[case.slosh.model]
+    # carried frozen for an error bar it may be none that the case names: its FMU lies where the others do
+    found = {name: fmus["aero"].with_name(f"{name}.fmu")} | fmus
     try:
-        return fuel_tank.Tank(case.slosh, fmus)
+        return fuel_tank.Tank(case.slosh, found)
     except ComponentError as error:
         if (key := fmu_parameters.blamed(case, "slosh", error.what)) is None:
             raise
