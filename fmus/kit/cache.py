@@ -51,11 +51,11 @@ def jit(function: Callable[..., Any] | None = None, /, **options: Any) -> Any:
         return functools.partial(jit, **options)
     settings = {**DEFAULTS, **options}
     try:
-        cache = _cache_class()(function)
+        cache, compiler = _cache_class()(function), _compiler_class()
     except Exception:  # another numba, a folder that cannot be written, a file from elsewhere
         return _ordinary(function, settings)
     _name_by_content(function)
-    dispatcher = numba.njit(**settings)(function)
+    dispatcher = numba.njit(pipeline_class=compiler, **settings)(function)
     dispatcher._cache = cache
     return dispatcher
 
@@ -134,6 +134,35 @@ def argument(cls: type) -> type:
         sys.modules.setdefault(name, sys.modules[cls.__module__])
         cls.__module__ = name
     return cls
+
+
+@functools.cache
+def _compiler_class() -> type:
+    """Return numba's compiler, which makes kernels that share no function with others."""
+    from llvmlite.binding import Linkage
+    from numba.core import codegen, compiler
+
+    class SelfContained(codegen.JITCodeLibrary):
+        """numba's own, whose copies of callees are seen from nowhere else."""
+
+        def _optimize_final_module(self) -> None:
+            super()._optimize_final_module()
+            for function in self._final_module.functions:
+                if not function.is_declaration and function.linkage == Linkage.linkonce_odr:
+                    function.linkage = Linkage.internal
+
+    class Compiler(compiler.Compiler):
+        """numba's own, into such a library."""
+
+        def define_pipelines(self) -> Any:
+            library = self.state.targetctx.codegen().create_library(self.state.func_id.func_qualname)
+            library.enable_object_caching()
+            if type(library) is codegen.JITCodeLibrary:
+                library.__class__ = SelfContained
+            self.state.library = library
+            return super().define_pipelines()
+
+    return Compiler
 
 
 @functools.cache

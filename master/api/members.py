@@ -29,7 +29,7 @@ class Members:
         self._found: dict[int, Member] = {}
         self._tries: dict[str, int] = {}
         others = self._seeds[1:]
-        self._pool = LocalPool[Job, Product](min(usable_cores(), max(1, len(others))), FOREVER, say)
+        self._pool = LocalPool[Job, Product](min(usable_cores(), max(1, len(others))), FOREVER)
         files = {name: (path, unpack.sha256(path)) for name, path in fmus.items()}
         for seed in others:
             self._pool.add(Job(str(seed), "point", ensemble.member(case, seed), {}, files))

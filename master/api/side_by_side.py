@@ -1,8 +1,8 @@
 """The Mach numbers of a boundary side by side in worker processes: they find and tell what one process finds and tells.
 
 A point is kept the moment it is done. What is said of a Mach number waits until those before it are done, so that lines of
-several do not mix and come in the order of the case. A worker that dies has its Mach number searched once more; one that compiled
-a kernel as well (see `sweeps/workers`). Of a search that begins anew the user hears what he has not heard yet."""
+several do not mix and come in the order of the case. A worker that dies has its Mach number searched once more. Of a search that
+begins anew the user hears what he has not heard yet."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class SideBySide:
             for n, m in enumerate(case.boundary.mach)
         ]  # fmt: skip
         self._front = 0  # the first that is not done
-        self._pool = LocalPool[MachJob, Solved](workers, FOREVER, self._note)
+        self._pool = LocalPool[MachJob, Solved](workers, FOREVER)
 
     def run(self) -> list[BoundaryPoint]:
         """The points, in the order of the case. Raises AeroSloshError when workers cannot start, and what the listener raises:

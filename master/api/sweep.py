@@ -211,7 +211,7 @@ def _content(values: Any) -> Any:
 def _pool(settings: Settings, wanted: Plan, say: Callable[[str], None]) -> Pool:
     """Local workers, or those of a cluster."""
     if settings.scheduler is None:
-        return LocalPool(settings.workers, settings.recycle, say)
+        return LocalPool(settings.workers, settings.recycle)
     from ..sweeps.cluster import DaskPool  # a package that only clusters need
 
     files = {file for p in wanted.points for file in p.files.values()}
@@ -219,7 +219,7 @@ def _pool(settings: Settings, wanted: Plan, say: Callable[[str], None]) -> Pool:
 
 
 def _forecast(pool: Pool, left: list[Job], reporter: SweepProgress) -> None:
-    """Compile what the points need before several workers want it at once; expect so much time of a point."""
+    """Expect so much time of a point."""
     tried = estimate.to_probe(left) if pool.size > 1 else []
     probes = pool.prepare(tried)
     reporter.workers = min(pool.size, len(left))

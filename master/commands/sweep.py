@@ -141,7 +141,7 @@ def _dry_run(options: argparse.Namespace, wanted: Plan, folder: Path, workers: i
     finished = {path.stem for path in folder.glob("points/*.nc")}
     left = [Job(p.id, wanted.kind, p.case, p.overrides, p.files) for p in wanted.points if p.id not in finished]
     tried = estimate.to_probe(left)
-    pool = LocalPool[Job, Product](1, options.recycle, progress.say)
+    pool = LocalPool[Job, Product](1, options.recycle)
     try:
         probes = pool.prepare(tried) if tried else []
     finally:

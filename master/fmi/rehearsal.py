@@ -3,11 +3,8 @@
 
 A rehearsal runs the FMU's face through its start and one step with kernels that compute nothing: which are called with what types
 is known then, within a second. Kernels that a start and a first step do not call are met where the face has a method `rehearse`
-that calls them. What is not in the cache is compiled by as many processes as there are cores, and lies in the cache for whoever
-runs the FMU. Kernels with a callee in common are compiled by one process in the order of their first calls, as in an FMU that
-compiles for itself: a caller is optimised together with its callees, and would round otherwise with one that was read from the
-cache. The same kernel in single and in double precision is two, with callees of their own. What a rehearsal does not meet is
-compiled when it is called, as ever.
+that calls them. What is not in the cache is compiled by as many processes as there are cores, what takes longest first, and lies
+in the cache for whoever runs the FMU. What a rehearsal does not meet is compiled when it is called, as ever.
 
 Prints a line "KERNELS SECONDS": how many are missing and how long that will take, about; then compiles."""
 
@@ -27,7 +24,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
@@ -43,9 +39,9 @@ class Kernel:
     types: tuple[Any, ...]
 
     @property
-    def single(self) -> bool:
-        """Whether it works on an array in single precision."""
-        return any(getattr(kind, "dtype", None) == numba.float32 for kind in self.types)
+    def seconds(self) -> float:
+        """What its compilation takes, about, with those of its callees."""
+        return sum(max(LEAST, PER_OPERATION * _operations(one.py_func)) for one in _reach(self.dispatcher, {}).values())
 
     def cached(self) -> bool:
         """Whether the cache has it."""
@@ -117,26 +113,11 @@ def rehearse(folder: Path, parameters: dict[str, Any]) -> list[Kernel]:
     return list(found.kernels.values())
 
 
-def units(kernels: list[Kernel]) -> list[list[Kernel]]:
-    """The kernels in groups that have no callee in common, in order within each; what takes longest first."""
-    found: list[tuple[set[tuple[int, bool]], list[Kernel]]] = []
-    for kernel in kernels:
-        reach = {(key, kernel.single) for key in _reach(kernel.dispatcher, {})}
-        group = [kernel]
-        for other in [f for f in found if f[0] & reach]:
-            found.remove(other)
-            reach, group = reach | other[0], other[1] + group
-        found.append((reach, group))
-    for _, group in found:
-        group.sort(key=kernels.index)
-    return [group for _, group in sorted(found, key=lambda f: -_seconds(f[1]))]
-
-
-def compile_all(groups: list[list[Kernel]], cores: int) -> None:
+def compile_all(kernels: list[Kernel], cores: int) -> None:
     """Compile them into the cache by `cores` processes."""
     gc.freeze()
-    todo, at_work = list(range(len(groups))), dict[int, _Worker]()
-    workers = [_Worker(groups) for _ in range(min(cores, len(groups)))]
+    todo, at_work = list(range(len(kernels))), dict[int, _Worker]()
+    workers = [_Worker(kernels) for _ in range(min(cores, len(kernels)))]
     for worker in workers:
         worker.give(todo.pop(0))
         at_work[worker.answers] = worker
@@ -151,9 +132,9 @@ def compile_all(groups: list[list[Kernel]], cores: int) -> None:
 
 
 class _Worker:
-    """A process, forked from this one, that compiles what it is given by its number in `groups`."""
+    """A process, forked from this one, that compiles what it is given by its number in `kernels`."""
 
-    def __init__(self, groups: list[list[Kernel]]) -> None:
+    def __init__(self, kernels: list[Kernel]) -> None:
         theirs, self._orders = os.pipe()
         self.answers, back = os.pipe()
         self.pid = os.fork()
@@ -166,9 +147,9 @@ class _Worker:
             os.close(self.answers)
             gc.disable()  # numba's objects are many and none of them is garbage
             while order := os.read(theirs, 2):
-                for kernel in groups[int.from_bytes(order, "little")]:
-                    with contextlib.suppress(Exception):  # whoever needs it will hear
-                        kernel.dispatcher.compile(kernel.types)
+                kernel = kernels[int.from_bytes(order, "little")]
+                with contextlib.suppress(Exception):  # whoever needs it will hear
+                    kernel.dispatcher.compile(kernel.types)
                 os.write(back, b".")
         finally:
             os._exit(0)
@@ -179,16 +160,8 @@ class _Worker:
         os.waitpid(self.pid, 0)
 
     def give(self, number: int) -> None:
-        """Have it compile a group."""
+        """Have it compile a kernel."""
         os.write(self._orders, number.to_bytes(2, "little"))
-
-
-def _seconds(group: list[Kernel]) -> float:
-    """What its compilation takes, about."""
-    reach: dict[int, Any] = {}
-    for kernel in group:
-        _reach(kernel.dispatcher, reach)
-    return sum(max(LEAST, PER_OPERATION * _operations(one.py_func)) for one in reach.values())
 
 
 def _reach(dispatcher: Any, found: dict[int, Any]) -> dict[int, Any]:
@@ -227,11 +200,11 @@ def main() -> None:
     warnings.simplefilter("ignore")
     asked, cores = json.loads(sys.argv[1]), int(sys.argv[2])
     kernels = [kernel for folder, parameters in asked for kernel in rehearse(Path(folder), parameters)]
-    groups = units([kernel for kernel in kernels if not kernel.cached()])
-    times = [_seconds(group) for group in groups]
-    print(sum(map(len, groups)), round(max([sum(times) / cores, *times])), flush=True)
-    if groups:
-        compile_all(groups, cores)
+    missing = sorted((kernel for kernel in kernels if not kernel.cached()), key=lambda kernel: -kernel.seconds)
+    times = [kernel.seconds for kernel in missing]
+    print(len(missing), round(max([sum(times) / cores, *times, 0.0])), flush=True)
+    if missing:
+        compile_all(missing, cores)
     os._exit(0)
 
 

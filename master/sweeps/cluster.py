@@ -83,14 +83,12 @@ class Crew:
             if model not in self._warm:
                 self._once("probe", job, recycle)
                 self._warm.add(model)
-        again = self._once("compute", job, recycle)
-        if again is None:
-            again = self._once("compute", job, recycle, final=True)
-        assert again is not None
-        return again
+        product = self._once("compute", job, recycle)
+        assert product is not None
+        return product
 
-    def _once(self, what: str, job: Job, recycle: int, final: bool = False) -> Product | None:
-        """A task in an idle worker; None after a probe, and when a kernel was compiled meanwhile."""
+    def _once(self, what: str, job: Job, recycle: int) -> Product | None:
+        """A task in an idle worker; None after a probe."""
         with self._lock:
             worker = self._idle.pop() if self._idle else None
             self._started += worker is None
@@ -101,12 +99,12 @@ class Crew:
         except BaseException:
             worker.end()
             raise
-        if answer.compiled or worker.answered >= recycle:
+        if worker.answered >= recycle:
             worker.end()
         else:
             with self._lock:
                 self._idle.append(worker)
-        return None if answer.compiled and not final else cast(Product | None, answer.product)
+        return cast(Product | None, answer.product)
 
 
 _crew = Crew()

@@ -30,14 +30,12 @@ class Answer:
     that, of a Mach number, any number of answers with `told` (see module `one_mach`).
     The first answer has none of them: the worker is ready.
 
-    compiled   kernels compiled meanwhile: such a process may round otherwise than those that read them from the cache
     memory     resident memory of the worker afterwards, bytes"""
 
     product: Product | Solved | None = None
     told: tuple[Any, ...] | None = None
     probe: Probe | None = None
     refusal: tuple[str, str, str] | None = None
-    compiled: int = 0
     memory: int = 0
 
 
@@ -48,7 +46,7 @@ def main() -> None:
     pipe, name = Connection(int(sys.argv[1])), sys.argv[2]
     tasks: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(pipe, tasks), daemon=True).start()
-    bench, compiled = Bench(), _count_compilations()
+    bench = Bench()
     gc.freeze()  # what was imported stays, and is not looked through after every point
     pipe.send(Answer())
     while True:
@@ -56,10 +54,9 @@ def main() -> None:
             what, job = tasks.get(timeout=IDLE)
         except queue.Empty:
             os._exit(0)
-        before = len(compiled)
         answer = _answer(what, job, bench, name, lambda told: pipe.send(Answer(told=told)))
         gc.collect()  # every FMU instance leaves cycles; among numba's many objects the collector alone comes too seldom
-        pipe.send(dataclasses.replace(answer, compiled=len(compiled) - before, memory=resident_memory()))
+        pipe.send(dataclasses.replace(answer, memory=resident_memory()))
 
 
 def resident_memory() -> int:
@@ -92,20 +89,3 @@ def _listen(pipe: Connection, tasks: queue.SimpleQueue[Any]) -> None:
         if task is None:
             os._exit(0)
         tasks.put(task)
-
-
-def _count_compilations() -> list[Any]:
-    """A list that grows by an entry with every kernel that numba compiles instead of reading it from its cache."""
-    from numba.core import event
-
-    seen: list[Any] = []
-
-    class Counter(event.Listener):
-        def on_start(self, event: Any) -> None:
-            seen.append(event.data["dispatcher"].py_func.__qualname__)
-
-        def on_end(self, event: Any) -> None:
-            pass
-
-    event.register("numba:compile", Counter())
-    return seen

@@ -1,8 +1,4 @@
-"""Local worker processes: started, given points, replaced when they die or have grown, one after the other or side by side.
-
-No result comes from a process that compiled a kernel while it computed: compiled code read back from the cache can differ from
-it in the last bits. Such a worker is replaced and its point computed afresh; a probe before the start keeps that rare, and keeps
-several workers from compiling the same kernels at once."""
+"""Local worker processes: started, given points, replaced when they die or have grown, one after the other or side by side."""
 
 from __future__ import annotations
 
@@ -12,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from multiprocessing import Pipe
 from multiprocessing.connection import wait
@@ -153,13 +149,11 @@ class Events(Generic[T, P]):
 class LocalPool(Generic[T, P]):
     """`count` workers on this machine, each replaced after `recycle` points."""
 
-    def __init__(self, count: int, recycle: int, say: Callable[[str], None]) -> None:
-        self.count, self._recycle, self._say = count, recycle, say
+    def __init__(self, count: int, recycle: int) -> None:
+        self.count, self._recycle = count, recycle
         self._jobs: OrderedDict[str, deque[T]] = OrderedDict()  # by setup: a worker goes on with the setup it has
         self._workers: list[Worker] = []
         self._started = 0
-        self._afresh: set[str] = set()  # points computed a second time since a kernel was compiled in the first
-        self._always = False  # the second time too: these FMUs do not cache their kernels
 
     @property
     def name(self) -> str:
@@ -181,16 +175,11 @@ class LocalPool(Generic[T, P]):
         self._jobs.setdefault(job.setup_key, deque()).append(job)
 
     def prepare(self, jobs: Iterable[Job]) -> list[Probe]:
-        """Compile what these jobs need, in a worker that is thrown away if it had to; what their first steps cost."""
+        """What the first steps of these jobs cost."""
         worker, probes = self._start(), []
         for job in jobs:
             try:
                 answer = worker.ask("probe", job)
-                if answer.compiled:
-                    self._say(f"{answer.compiled} kernels compiled, kept for later runs")
-                    worker.end()
-                    worker = self._start()
-                    answer = worker.ask("probe", job)
             except WorkerDied as death:  # the point itself will tell; it is not lost on account of a probe
                 worker.end()
                 worker = self._start()
@@ -253,14 +242,6 @@ class LocalPool(Generic[T, P]):
             events.told.append((job, answer.told))
         if answer is None or answer.product is None or job is None:
             return
-        if answer.compiled and not self._always:
-            if job.id not in self._afresh:
-                self._afresh.add(job.id)
-                self._retire(worker)
-                self._jobs.setdefault(job.setup_key, deque()).appendleft(job)
-                return
-            self._always = True
-            events.notes.append("the FMUs compile kernels in every process: results may differ in the last bits between workers")
         events.products.append(cast(P, answer.product))
         if worker.answered >= self._recycle or worker.memory[1] > worker.memory[0] + GROWN:
             self._retire(worker)

@@ -61,6 +61,17 @@ def test_the_face_gives_what_the_surrogate_gives(fmu: Fmu, host: Host, name: str
     assert np.max(np.abs(rows - true) / np.abs(true).max(axis=0)) < 1e-9
 
 
+def test_compiled_or_read_from_the_cache_a_kernel_gives_the_same_bits(fmu: Fmu, host: Host, tmp_path: Path) -> None:
+    """The first process compiles every kernel, the second finds them; a copy of a callee, optimised otherwise, would show."""
+    words = str(fmu("slosh_rbf")), {"tank_x": 1.8}, WAVES, 2e-3, 100, LOADS
+    place = {"XDG_CACHE_HOME": str(tmp_path), "LOCALAPPDATA": str(tmp_path)}
+    first = host("slosh_harmonic", *words, **place)
+    kept = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nbc")}
+    assert kept
+    assert host("slosh_harmonic", *words, **place) == first
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nbc")} == kept
+
+
 def test_rollback_and_restart_in_a_new_process_are_exact_to_the_bit(fmu: Fmu, host: Host, tmp_path: Path) -> None:
     kept, path = str(tmp_path / "state"), str(fmu("slosh_rbf"))
     seen = host("slosh_rollback", path, {"tank_x": 0.4}, 2e-3, kept)

@@ -20,15 +20,7 @@ from aeroslosh.master.hosts import hosting
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))  # for host_jobs, which is no test
 
-from host_jobs import JOBS, LAUNCH, ROOT, clean, job  # noqa: E402
-
-
-@pytest.fixture(scope="session", autouse=True)
-def compiled(fmu: Callable[[str], Path]) -> None:
-    """All jobs once: kernels that were compiled a moment ago may differ in the last bit from those that are kept."""
-    for name in JOBS:
-        words = [sys.executable, str(HERE / "tools.py"), "direct_end", json.dumps(job(name, str(fmu(name))))]
-        subprocess.run(words, capture_output=True, env=clean(), timeout=300, check=True)
+from host_jobs import LAUNCH, ROOT, clean  # noqa: E402
 
 
 @pytest.fixture(scope="session")

@@ -16,11 +16,8 @@ import pytest
 from host_jobs import JOBS, POINTS, clean, job, settings, table
 from test_c_host import rows
 
-from aeroslosh.master.fmi import kernels
-
 EMPTY = {"PATH": "/usr/bin:/bin", "HOME": os.environ.get("HOME", "/")}
-# where compiled kernels are kept: the same as those of the process that results are compared with to the bit
-EMPTY |= {name: os.environ[name] for name in ("XDG_CACHE_HOME",) if name in os.environ}
+EMPTY |= {name: os.environ[name] for name in ("XDG_CACHE_HOME",) if name in os.environ}  # where compiled kernels are kept
 
 
 def bare(words: list[str], timeout: float = 120.0, **more: str) -> subprocess.CompletedProcess[str]:
@@ -53,7 +50,6 @@ def test_each_fmu(
     tool: Callable[..., list[list[str]]],
 ) -> None:
     """Numbers equal to those in Python, to the bit; an ordinary end, with and without dlclose; nothing said on the way."""
-    kernels.prepare_all([fmu(name)])  # code that a process compiled itself can round otherwise than the same from the cache
     done = bare([str(c_host), "--end", how, *words(name)])
     assert (done.returncode, done.stderr) == (0, "")
     assert rows(done.stdout, JOBS[name][2], f"{name}_1")[1:] == tool("direct_end", job(name, str(fmu(name))))
