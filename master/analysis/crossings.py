@@ -23,6 +23,7 @@ OTHER_MODE = 1.5  # marches whose frequencies have a ratio above this tell of tw
 KINK = 0.5  # as UNSEEN, where g may have one
 WIDE = 0.3  # in ln V_f: marches further apart are not asked about curvature unless g goes on as between them
 ALONE = 0.1  # as UNSEEN, for a line through two marches, whose curvature nothing tells
+TOLD = 0.3  # as UNSEEN, for Newton's step from one march with a slope that was known beforehand: what that is taken to be off by
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,16 @@ def root(known: list[Sample], i: int, j: int, bracketed: bool, slope: float | No
         bracketed,
         {"fit": V_f * min(best.noise, UNKNOWN), "interpolation": V_f * min(error, UNKNOWN)},
     )
+
+
+def newton(sample: Sample, slope: float) -> Crossing | None:
+    """The crossing near one march by the slope dσ/dV_f that was known beforehand; None without one."""
+    if not slope:
+        return None
+    step, noise = -sample.g / slope, sample.g_std / abs(slope)
+    V_f = sample.V_f * math.exp(max(-UNKNOWN, min(UNKNOWN, step)))
+    parts = {"fit": V_f * min(noise, UNKNOWN), "interpolation": V_f * min(TOLD * abs(step), UNKNOWN)}
+    return Crossing(V_f, sample.frequency, "onset" if slope > 0.0 else "recovery", slope, False, parts)
 
 
 def _steepest(known: list[Sample], i: int, j: int) -> tuple[float, bool]:

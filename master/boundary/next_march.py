@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..analysis.crossings import SURE, Crossing, Sample, hyperbola, root
+from ..analysis.crossings import SURE, Crossing, Sample, hyperbola, newton, root
 
 SLOPE = 0.07  # dσ/dV_f at a boundary, and dg/dx on the way: 0.04 to 0.1 for Isogai's section. Sizes steps without a prior
 WIDE = 0.06  # ln V_f: marches apart by less may differ by noise alone
@@ -24,13 +24,17 @@ INTERPOLATION = 0.25  # of the tolerance may be interpolation error
 BEYOND = 0.5  # of its interpolation error a march in a bracket goes beyond the root, towards the bracket's farther end
 
 
-def crossings(samples: Sequence[Sample], tolerance: float, slope: float | None = None) -> list[Crossing]:
+def crossings(samples: Sequence[Sample], tolerance: float, slope: float | None = None, fewest: int = 2) -> list[Crossing]:
     """All neutral V_f that `samples` show, in rising V_f. `slope`: dσ/dV_f there, when it is known beforehand.
 
     Sign changes between neighbours; and, when there is none, an extrapolated root within `tolerance`
-    (relative) of a march, which is all one can ask of marches that come out neutral.
+    (relative) of a march, which is all one can ask of marches that come out neutral. `fewest` marches are needed where the slope
+    is known; of a single one the root is a Newton step away.
     """
     known = _known(samples)
+    if fewest == 1 and len(known) == 1 and slope is not None:
+        near = newton(known[0], slope)
+        return [replace(near, met=True)] if near is not None and _met(near, known, tolerance, fewest) else []
     grows = [s.growth_rate >= 0.0 for s in known]
     pairs = [(i, i + 1) for i in range(len(known) - 1) if grows[i] != grows[i + 1]]
     found = [c for i, j in pairs if (c := root(known, i, j, True, slope)) is not None]
@@ -40,16 +44,15 @@ def crossings(samples: Sequence[Sample], tolerance: float, slope: float | None =
         outside = root(known, min(i, j), max(i, j), False, slope)
         if outside is not None and abs(outside.V_f - known[i].V_f) <= tolerance * known[i].V_f:
             found.append(outside)
-    return [replace(c, met=_met(c, known, tolerance, slope)) for c in found]
+    return [replace(c, met=_met(c, known, tolerance, 3 if slope is None else fewest)) for c in found]
 
 
-def _met(crossing: Crossing, known: list[Sample], tolerance: float, slope: float | None) -> bool:
-    """True when the error bar is within `tolerance`, the interpolation's part well within, and the root looked at from near.
-
-    Two marches do when the slope was known beforehand, else three."""
+def _met(crossing: Crossing, known: list[Sample], tolerance: float, fewest: int) -> bool:
+    """True when there are `fewest` marches, the error bar is within `tolerance`, the interpolation's part well within, and the
+    root was looked at from near."""
     allowed = tolerance * crossing.V_f
     return bool(
-        len(known) >= (3 if slope is None else 2)
+        len(known) >= fewest
         and crossing.parts["interpolation"] <= INTERPOLATION * allowed
         and crossing.uncertainty <= allowed
         and min(abs(s.V_f - crossing.V_f) for s in known) <= NEAR * allowed
@@ -57,7 +60,13 @@ def _met(crossing: Crossing, known: list[Sample], tolerance: float, slope: float
 
 
 def propose(
-    samples: Sequence[Sample], guess: float, low: float, high: float, tolerance: float, slope: float | None = None
+    samples: Sequence[Sample],
+    guess: float,
+    low: float,
+    high: float,
+    tolerance: float,
+    slope: float | None = None,
+    fewest: int = 2,
 ) -> float | None:
     """The next V_f to march at; None when the tolerance is met at a crossing, or when no march would tell more.
 
@@ -69,7 +78,7 @@ def propose(
     if not known:
         target = _first(samples, failed, guess, low, high)
         return None if target is None or any(abs(target - s.V_f) < 1e-9 * target for s in samples) else target
-    found = crossings(samples, tolerance, slope)
+    found = crossings(samples, tolerance, slope, fewest)
     if any(c.met for c in found):
         return None
     bracketed = [c for c in found if c.bracketed]

@@ -37,12 +37,15 @@ class State(StrEnum):
 
 @dataclass(frozen=True)
 class Limits:
-    """Where a search looks: V_f from `low` to `high`, to the relative `tolerance`, with `max_marches` at most."""
+    """Where a search looks: V_f from `low` to `high`, to the relative `tolerance`, with `max_marches` at most.
+
+    fewest  marches that make a crossing whose slope is known: one where a linear model of the same flow predicts both"""
 
     low: float
     high: float
     tolerance: float
     max_marches: int
+    fewest: int = 2
 
 
 @dataclass(frozen=True)
@@ -124,13 +127,13 @@ def search(
     low, high, tolerance = limits.low, limits.high, limits.tolerance
     guess = min(max(guess, low), high)
     while len(marches) < limits.max_marches:
-        target = propose([take(m) for m in marches], guess, low, high, tolerance, slope)
+        target = propose([take(m) for m in marches], guess, low, high, tolerance, slope, limits.fewest)
         if target is None:
             break
         marches.append(marcher(target))
         failure = marches[-1].failure or failure
     samples = [take(m) for m in marches]
-    found = crossings(samples, tolerance, slope)
+    found = crossings(samples, tolerance, slope, limits.fewest)
     return BoundaryPoint(
         mach,
         found,

@@ -34,6 +34,7 @@ from .uncertainty import FLAT, Spread
 SAME_MODE = 0.25  # relative difference of frequency within which two crossings, or a fitted mode and a crossing, are one mode
 HIDES = 0.1  # growth rate from which another pole hides a crossing: a factor 20 in five periods
 REACH = 1.35  # a crossing is looked for within this factor of its predicted V_f
+OWN_PERIODS = 8.0  # of a mode that a march shows: more of them grow or decay to another amplitude, and tell of that one
 SHARED = 0.05  # marches of other crossings this near (relative) count
 
 
@@ -162,7 +163,9 @@ class Confirm:
         self, marcher: Marcher, mach: float, model: LinearModel, expected: list[LinearCrossing], beside: Companion | None
     ) -> BoundaryPoint:
         """March at every predicted crossing; `beside` tells of their error bars what marches do not."""
-        b = self.case.boundary
+        b, setup = self.case.boundary, self.setup_at(mach)
+        as_modelled = self.case.slosh.model in ("none", "frozen")  # liquid that moves changes the slope, and gathers way
+        short = as_modelled and not (b.uncertainty or b.richardson)  # these repeat marches on setups of their own
         marches: list[March] = []
         checks: list[March] = []
         samples: list[Sample] = []
@@ -170,6 +173,7 @@ class Confirm:
         predictions: list[Prediction] = []
         failure: AeroSloshError | None = None
         for c in expected:
+            setup.enough_cycles = math.inf
             hidden = _hidden(c, model)
             if hidden:
                 predictions.append(Prediction(c, State.NOT_MARCHED, None, hidden))
@@ -191,7 +195,9 @@ class Confirm:
 
             near = [m for m in marches if abs(m.scales.V_f / c.V_f - 1.0) < SHARED and take(m).known]
             most = len(near) + max(3, b.max_marches // 2)
-            part = search(marcher, mach, c.V_f, Limits(low, high, b.tolerance, most), c.slope, near, take)
+            setup.enough_cycles = OWN_PERIODS / c.frequency if short else math.inf
+            limits = Limits(low, high, b.tolerance, most, 1 if as_modelled else 2)
+            part = search(marcher, mach, c.V_f, limits, c.slope, near, take)
             marches += part.marches[len(near) :]
             samples += part.samples[len(near) :]
             failure = part.failure or failure

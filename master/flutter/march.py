@@ -146,7 +146,7 @@ def march(
     if keeper is not None:
         keeper.check(system)
     scheme.reset(system)
-    span = Span.of(case, s, setup.needed_cycles(V_f))
+    span = Span.of(case, s, setup.needed_cycles(V_f), setup.enough_cycles)
     steps, history = span.planned, History(setup, span.planned + 1)
     history.take(0)
     fields = Fields(setup.aero, field_folder)

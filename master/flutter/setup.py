@@ -91,6 +91,7 @@ class FlutterSetup:
         self._slopes: SteadySlopes | str | None = "not asked for"
         # free cycles that a march at V_f needs, where a linear model knows them
         self.needed_cycles: Callable[[float], float] = not_known
+        self.enough_cycles = math.inf  # free cycles that do for the mode which a march is made for
         kernels.prepare_all(fmus.values())
         with ExitStack() as opened:  # what is made is freed again unless all of it can be
             self.structure = opened.enter_context(closing(Component(fmus["structure"], "structure")))

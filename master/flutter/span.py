@@ -31,11 +31,14 @@ class Span:
     most: int
 
     @classmethod
-    def of(cls, case: Case, s: Scales, needed: float = 0.0) -> Span:
+    def of(cls, case: Case, s: Scales, needed: float = 0.0, enough: float = math.inf) -> Span:
         """That of `case`. A limit that the case leaves to us is no shorter than `least`, within MOST_CYCLES. `needed`: free
-        cycles that a linear model expects the modes to take to part (`LinearModel.cycles`); the first look is not before."""
+        cycles that a linear model expects the modes to take to part (`LinearModel.cycles`); the first look is not before.
+        `enough` of them do, where the case plans more."""
         f, (release, planned) = case.flutter, length(case, s)
         least = PERIODS / max(slower_frequency(case), 1e-3)
+        if enough < f.free_cycles:
+            planned = min(planned, release + math.ceil(max(least, enough) * s.steps_per_cycle))
         if isinstance(f.max_free_cycles, float | int):
             most = float(f.max_free_cycles)
         else:

@@ -36,10 +36,10 @@ def test_the_dip_and_the_end_of_flutter(aeroslosh: Run) -> None:
     assert not points[3]["crossings"]
 
 
-@pytest.mark.parametrize(("mach", "V_f"), [("0.6", 1.7204), ("0.825", 0.5904)])
+@pytest.mark.parametrize(("mach", "V_f"), [("0.6", 1.7092), ("0.825", 0.5906)])
 @pytest.mark.parametrize("guess", ["0.2", "0.612", "3.0"])
 def test_marches_alone_need_no_prior_knowledge(aeroslosh: Run, mach: str, V_f: float, guess: str) -> None:
-    """Half a percent in six marches; V_f from 41 marches between 0.2 and 3 (tests/data/growth_rates.csv)."""
+    """Half a percent in six marches; V_f as with a linear model (docs/boundary.md)."""
     [point] = aeroslosh("boundary", "--mach", mach, "--method", "march", "--vf", guess)["points"]
     print(f"\nMach {mach} from V_f {guess}: {point['outcome']}", end="")
     assert point["converged"] and point["cost"]["marches"] == len(point["marches"]) <= 6
@@ -47,7 +47,7 @@ def test_marches_alone_need_no_prior_knowledge(aeroslosh: Run, mach: str, V_f: f
 
 
 @pytest.mark.parametrize("mach", ["0.7", "0.85"])
-def test_three_marches_confirm_a_predicted_crossing(aeroslosh: Run, mach: str) -> None:
+def test_a_march_or_two_confirm_a_predicted_crossing(aeroslosh: Run, mach: str) -> None:
     [point] = aeroslosh("boundary", "--mach", mach, "--method", "both")["points"]
     print(f"\nMach {mach}: {point['outcome']}", end="")
-    assert point["converged"] and point["cost"]["marches"] <= 3 * len(point["crossings"])
+    assert point["converged"] and point["cost"]["marches"] <= 2 * len(point["crossings"])

@@ -150,6 +150,32 @@ def test_two_or_three_marches_when_place_and_slope_are_known(name: str, curve: C
     assert found.met and abs(found.V_f - root) < 2.0 * found.uncertainty
 
 
+@pytest.mark.parametrize("wrong", [0.8, 1.0, 1.25])
+@pytest.mark.parametrize("off", [0.98, 0.99, 0.9965, 1.0, 1.0035, 1.01, 1.02])
+@pytest.mark.parametrize(("name", "curve", "root"), CURVES, ids=[c[0] for c in CURVES])
+def test_one_march_where_the_linear_model_was_right_more_where_not(
+    name: str, curve: Curve, root: float, off: float, wrong: float
+) -> None:
+    """One where the root is a Newton step of 0.4 % away: a quarter of the tolerance by a slope known to 0.3 of itself."""
+    slope = wrong * (curve(root + 1e-6) - curve(root - 1e-6)) / 2e-6
+    samples: list[Sample] = []
+    while (target := propose(samples, off * root, 0.2, 3.0, TOLERANCE, slope, 1)) is not None:
+        samples.append(Sample(target, curve(target), 1e-6, 0.9))
+    [found] = crossings(samples, TOLERANCE, slope, 1)
+    assert found.met and abs(found.V_f - root) < max(2.0 * found.uncertainty, 1e-9)
+    if abs(off - 1.0) <= 0.0035 / max(1.0, 1.0 / wrong):
+        assert len(samples) == 1 and not found.bracketed and found.direction == "onset"
+    elif abs(off - 1.0) >= 0.01:
+        assert 2 <= len(samples) <= 4 and abs(found.V_f / root - 1.0) < 0.25 * TOLERANCE
+
+
+def test_one_march_that_tells_no_growth_rate_is_none() -> None:
+    lost = Sample(0.6, math.nan, math.nan, math.nan)
+    assert crossings([lost], TOLERANCE, 0.1, 1) == [] and propose([lost], 0.6, 0.2, 3.0, TOLERANCE, 0.1, 1) is not None
+    noisy = Sample(0.6, 1e-5, 1e-3, 0.9)
+    assert crossings([noisy], TOLERANCE, 0.1, 1) == [] and propose([noisy], 0.6, 0.2, 3.0, TOLERANCE, 0.1, 1) is not None
+
+
 def test_a_crossing_that_nothing_narrows_down_has_a_finite_error_bar() -> None:
     """JSON has no infinity: three marches whose differences are noise alone."""
     samples = [Sample(v, s, 1e-3, 0.9) for v, s in ((0.5, -1e-5), (0.6, 2e-5), (0.7, 1e-5))]

@@ -16,7 +16,7 @@ from aeroslosh.master.case.case import Case
 from aeroslosh.master.case.scales import scales
 from aeroslosh.master.flutter import march as flutter_march
 from aeroslosh.master.flutter.setup import FlutterSetup, find_fmus
-from aeroslosh.master.flutter.span import Span
+from aeroslosh.master.flutter.span import PERIODS, Span
 from aeroslosh.master.linear import model as linear_model
 from aeroslosh.master.linear import rational_fit
 from aeroslosh.master.linear.frequency_sweep import NODES, Record, chirp
@@ -76,6 +76,17 @@ def test_it_predicts_how_long_a_march_must_be(flutter_fmus: Path) -> None:
         assert cycles == pytest.approx(beat, abs=0.03) and led.planned > alone.planned and led.most == alone.most
         march = flutter_march.march(setup, V_f)
     assert march.tau.size - 1 >= led.planned and march.settled
+
+
+@pytest.mark.parametrize(("enough", "cycles"), [(0.5, "least"), (3.0, 3.0), (9.0, 5.0), (float("inf"), 5.0)])
+def test_a_march_made_for_one_mode_is_as_long_as_that_needs(enough: float, cycles: float | str) -> None:
+    """Never shorter than what shows the slower natural mode, never longer than the case says; what parts modes comes first."""
+    case = Case()
+    s = scales(case, MACH, 1.0)
+    span, whole = Span.of(case, s, 0.0, enough), Span.of(case, s)
+    wanted = span.least if cycles == "least" else span.release + round(float(cycles) * s.steps_per_cycle)
+    assert abs(span.planned - wanted) <= 1 and span.most == whole.most
+    assert Span.of(case, s, 4.0, enough).planned == max(span.planned, span.release + 4 * s.steps_per_cycle)
 
 
 def test_both_inputs_have_the_same_steady_gain_that_of_the_thin_airfoil(model: linear_model.LinearModel) -> None:
@@ -149,6 +160,18 @@ def confirmed(
     with FlutterSetup(case, find_fmus(fmus), MACH) as setup:
         strategy = boundary_strategy.Confirm(case, lambda mach: setup, lambda case, mach: setup, said.append, marching=True)
         return strategy(lambda V_f: flutter_march.march(setup, V_f), MACH, 1.0, 0.05), said
+
+
+def test_a_prediction_that_holds_takes_one_march_as_long_as_its_mode_needs(
+    flutter_fmus: Path, model: linear_model.LinearModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    point, _ = confirmed(flutter_fmus, model, monkeypatch)
+    exact, [crossing], [march] = theory.neutral(model.case, MACH, 1.5, 3.0), point.crossings, point.marches
+    assert point.converged and not crossing.bracketed and crossing.direction == "onset"
+    assert crossing.V_f == pytest.approx(exact, rel=1e-3)  # the march's step
+    cycles = (march.tau.size - 1 - march.release) / march.scales.steps_per_cycle
+    assert cycles == pytest.approx(max(boundary_strategy.OWN_PERIODS / crossing.frequency, PERIODS / 0.7133), rel=0.01)
+    assert cycles < 5.0 and march.fit is not None
 
 
 def test_a_prediction_that_is_ten_percent_off_is_put_right(
