@@ -14,8 +14,8 @@ Rules for kernel modules: module level only, all globals constant, no data but w
 folder, imports of the package relative. This leans on private parts of numba (written against 0.68); where they
 have changed, numba's ordinary cache lies in that folder instead; where the folder cannot be written, nothing is
 kept: numba's ordinary place knows a kernel by its own file alone, and would keep it when a constant that it
-imports has changed. Processes may race: files are replaced atomically and data files have names of their own,
-so at worst a function is compiled twice.
+imports has changed. Processes may race: files are replaced atomically, data files have names of their own, and an
+index is read and rewritten under a lock, so at worst a function is compiled twice.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import inspect
 import os
 import sys
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -136,6 +136,18 @@ def argument(cls: type) -> type:
     return cls
 
 
+@contextlib.contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """No other process in here for `path`, a file, where the system has such locks."""
+    with contextlib.ExitStack() as held:
+        with contextlib.suppress(ImportError, OSError):  # no Unix; a file system without locks
+            import fcntl
+
+            file = held.enter_context(path.open("a"))
+            fcntl.flock(file, fcntl.LOCK_EX)  # let go of when the file is closed
+        yield
+
+
 @functools.cache
 def _compiler_class() -> type:
     """Return numba's compiler, which makes kernels that share no function with others."""
@@ -212,10 +224,10 @@ def _cache_class() -> type:
 
         def __init__(self, py_func: Any) -> None:
             super().__init__(py_func)
-            # numba counts data files in an index that it rewrites without a lock: two processes could give
-            # one number to two signatures. A name of its own makes the loser of the race compile again
-            # instead.
+            # numba counts data files in an index that it rewrites without a lock. Where there is no lock a name of its own
+            # keeps one number from two signatures: the loser of the race compiles again.
             base = self._impl.filename_base
+            self._lock = Path(self._cache_path, f"{base}.lock")
             self._cache_file._data_name_pattern = f"{base}.{{number:d}}-{uuid.uuid4().hex[:8]}.nbc"
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
@@ -228,7 +240,7 @@ def _cache_class() -> type:
 
         def save_overload(self, sig: Any, data: Any) -> None:
             """Keep compiled code; where the disk is full this process goes on with what it has compiled."""
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(OSError), _locked(self._lock):
                 super().save_overload(sig, data)
 
     return ContentCache

@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 from numba.core.dispatcher import Dispatcher
+from numba.core.types import Omitted
 
 PER_OPERATION = 1.2e-3  # seconds of compilation an operation of Python's takes on a desktop; and at least:
 LEAST = 0.2
@@ -61,7 +62,9 @@ class Rehearsal:
         """Note a call. Returns what the kernel may have returned; where nothing can stand for that it is run as Python."""
         function, inside = dispatcher.py_func, self._inside
         if not inside:
-            types = tuple(dispatcher.typeof_pyval(value) for value in arguments)
+            defaults = function.__defaults__ or ()
+            left = defaults[len(defaults) + len(arguments) - function.__code__.co_argcount :]
+            types = (*map(dispatcher.typeof_pyval, arguments), *map(Omitted, left))
             self.kernels.setdefault((id(dispatcher), types), Kernel(dispatcher, types))
         returned = _nothing(str(function.__annotations__.get("return", "None")))
         if not inside and returned is not NotImplemented:

@@ -102,12 +102,13 @@ def test_a_constant_of_another_module_is_never_stale(tmp_path: Path, before: str
         assert result(start(tree, "sources", cache)) == (30.0, 0, 1)
 
 
-def test_racing_processes_get_their_own_code(tmp_path: Path) -> None:
+def test_racing_processes_get_their_own_code_and_all_keep_it(tmp_path: Path) -> None:
     tree, cache = copy(tmp_path / "tree", "sources"), tmp_path / "cache"
     kinds = ["f8", "f4", "i8"]
     for _ in range(2):
         racing = [start(tree, "sources", cache, kind=kind) for kind in kinds]
         assert [result(process)[0] for process in racing] == [20.0] * 3
+        assert [result(start(tree, "sources", cache, kind=kind)) for kind in kinds] == [(20.0, 1, 0)] * 3  # all of it was kept
 
 
 def test_a_cache_that_cannot_take_more_ends_nothing(tmp_path: Path) -> None:

@@ -14,9 +14,9 @@ def scaled(x: float) -> float:
 
 
 @jit(fastmath=True)
-def scaled_sum(values: np.ndarray) -> float:
-    """Return SCALE times the sum of `values`."""
-    total = 0.0
+def scaled_sum(values: np.ndarray, start: float = 0.0) -> float:
+    """Return SCALE times the sum of `values`, and `start`."""
+    total = start
     for i in range(values.size):
         total += scaled(values[i])
     return total
