@@ -212,6 +212,8 @@ def identify(
         smaller = rational_fit.fit(records, ORDER - 2, SLOWEST, FASTEST, steady)
     else:
         aero = smaller = rational_fit.with_poles(records, beside.aero.poles, steady)
+    liquid_stiffness = setup.tank.static_stiffness if setup.tank else 0.0
+    diverges = slopes is not None and math.isfinite(slopes.divergence(s, liquid_stiffness))
     fit_error = np.max([aero.error(r) for r in records], axis=0)
     check_error = aero.error(unseen[0]) if unseen else np.full(2, math.nan)
     return LinearModel(
@@ -228,8 +230,8 @@ def identify(
         _note(check_error),
         setup.tank.liquid if setup.tank else None,
         slopes,
-        setup.other_slopes() if beside is None else None,
-        setup.tank.static_stiffness if setup.tank else 0.0,
+        setup.other_slopes() if beside is None and diverges else None,
+        liquid_stiffness,
     )
 
 
