@@ -151,6 +151,8 @@ class Contract(RuleBasedStateMachine):
             self._set(name, data.draw(st.sampled_from([0, 1])))
         elif kind(variable) == "Integer":
             self._set(name, data.draw(st.sampled_from([-1, 0, 1, start, 10**6])))
+        elif kind(variable) == "String":
+            self._set(name, data.draw(st.sampled_from(["", start, "x=0.1", "nonsense"])))
         else:
             self._set(name, start * factor if start else data.draw(st.sampled_from([0.0, 0.01, -0.01])))
 
