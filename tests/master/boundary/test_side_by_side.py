@@ -38,7 +38,7 @@ NO_MODEL = (
     "--set",
     "flutter.forced_cycles=1.0",
 )
-LONG = (*FEW, "--set", "flutter.free_cycles=60.0", "--no-pictures", "--workers", "2")
+LONG = (*FEW, "--set", "flutter.steps_per_cycle=900", "--no-pictures", "--workers", "2")
 
 
 def boundary(out: Path, fmus: Path, *more: str) -> Done:
