@@ -155,7 +155,11 @@ def _compiler_class() -> type:
     from numba.core import codegen, compiler
 
     class SelfContained(codegen.JITCodeLibrary):
-        """numba's own, whose copies of callees are seen from nowhere else."""
+        """numba's own, whose copies of callees are seen from nowhere else.
+
+        As numba leaves them, a callee that was not inlined is a weak symbol, which the linker takes from whichever kernel with
+        a copy this process met first. Copies are optimised, and round, with the kernel they lie in: a process that compiled
+        would compute otherwise than one that reads the cache."""
 
         def _optimize_final_module(self) -> None:
             super()._optimize_final_module()
